@@ -1,0 +1,68 @@
+"""What a policy is: a NamedTuple of parameters, and a kernel that acts on what one HAV senses."""
+
+import functools
+
+import numpy as np
+
+from hav_env import Batch
+from hav_env.compiled import entry, generic
+from hav_env.world import world_at
+
+
+@generic
+def act(policy, memory, world, agent):
+    """Decide what one HAV does in this step: return speed [m/s] and steering [rad].
+
+    Args:
+        policy: the parameters; their type selects the kernel.
+        memory: (N, K), row ``agent`` is the HAV's own. It belongs to whoever runs the episode and
+            is zero at its beginning.
+        world, agent: to be read through ``hav_env.sensing`` only.
+    """
+
+
+@entry
+def act_worlds(first, last, policy, memory, worlds, speed, steering):
+    """Let every HAV of a range of worlds decide."""
+    for w in range(first, last):
+        world = world_at(worlds, w)
+        for agent in range(speed.shape[0]):
+            speed[agent, w], steering[agent, w] = act(policy, memory[:, :, w], world, agent)
+
+
+@functools.singledispatch
+def memory_size(policy) -> int:
+    """Return K, how many numbers a HAV under this policy keeps between steps."""
+    return 0
+
+
+def allocate_memory(policy, num_havs: int, num_worlds: int) -> np.ndarray:
+    """Return the memory (N, K, W) of a policy at the beginning of an episode."""
+    return np.zeros((num_havs, memory_size(policy), num_worlds))
+
+
+def check_policy(policy) -> None:
+    """Check a policy before it is used.
+
+    Raises:
+        TypeError: when its type has no kernel.
+        ValueError: when a parameter is not a finite number.
+    """
+    if type(policy) not in act.table:
+        raise TypeError(f"{policy!r} is not a policy: register its type with act")
+    for field, value in policy._asdict().items():
+        if not np.isfinite(value).all():
+            raise ValueError(f"policy {field} is {value}, but must be finite")
+
+
+def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.ndarray]:
+    """Return speed [m/s] and steering [rad], each (N, W), of every HAV of a batch.
+
+    Args:
+        policy: a registered policy.
+        memory: from ``allocate_memory``, kept from step to step, written to.
+        batch: what is sensed; pass the result to ``batch.step``.
+    """
+    speed, steering = np.zeros((2, *batch.worlds.state.x.shape))
+    act_worlds(batch.num_worlds, policy, memory, batch.worlds, speed, steering)
+    return speed, steering

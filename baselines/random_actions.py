@@ -1,0 +1,24 @@
+"""Random actions: the floor that every policy must beat."""
+
+from typing import NamedTuple
+
+from baselines.policy import act
+from hav_env.randomness import uniform
+from hav_env.sensing import episode_key, limits
+
+
+class Random(NamedTuple):
+    """Draw speed and steering evenly from what the HAV can do, anew at intervals."""
+
+    hold: int = 1
+    """For how many steps an action is held."""
+
+
+@act.register(Random)
+def act_randomly(policy, memory, world, agent):
+    """Draw an action; the same episode and step give the same one."""
+    speed_max, steering_max, _ = limits(world, agent)
+    seed, episode, step = episode_key(world)
+    stream, draw = agent + 1, 2 * (step // policy.hold)  # stream 0 is the scenario's
+    speed = speed_max * uniform(seed, episode, stream, draw)
+    return speed, steering_max * (2.0 * uniform(seed, episode, stream, draw + 1) - 1.0)

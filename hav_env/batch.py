@@ -1,0 +1,117 @@
+"""A batch of worlds that share a scenario: owns the arrays; reset and step."""
+
+import numpy as np
+
+from hav_env.compiled import entry
+from hav_env.randomness import SEED_LIMIT
+from hav_env.scenarios import PlacementError, check_scenario
+from hav_env.task import Task, check_task
+from hav_env.transition import begin, step
+from hav_env.vehicles import OnAxle
+from hav_env.world import STEP, World, allocate_worlds, world_at
+
+
+@entry
+def begin_worlds(first, last, scenario, task, worlds, seed, episodes, placed):
+    """Start an episode in each of a range of worlds."""
+    for w in range(first, last):
+        placed[w] = begin(scenario, task, world_at(worlds, w), seed, episodes[w])
+
+
+@entry
+def step_worlds(first, last, task, vehicle, worlds, speed, steering):
+    """Advance each of a range of worlds by one step."""
+    for w in range(first, last):
+        step(task, vehicle, world_at(worlds, w), speed[:, w], steering[:, w])
+
+
+class Batch:
+    """W worlds of one scenario, stepped together; a single environment is a batch of one.
+
+    Attributes:
+        worlds: the arrays, see ``hav_env.world``; the world is their last axis.
+        scenario, task, vehicle: what the worlds are, by which rules, and how HAVs move.
+    """
+
+    def __init__(
+        self,
+        scenario,
+        num_worlds: int = 1,
+        task: Task = Task(),  # a NamedTuple is immutable
+        vehicle=OnAxle(),
+    ) -> None:
+        """Allocate the worlds; they are empty until ``reset``.
+
+        Raises:
+            ValueError: when a parameter of scenario or task is not allowed, naming it.
+            TypeError: when the scenario is of a type that is not registered.
+        """
+        if num_worlds < 1:
+            raise ValueError(f"num_worlds is {num_worlds}, but must be at least 1")
+        check_scenario(scenario)
+        check_task(task)
+        self.scenario, self.task, self.vehicle = scenario, task, vehicle
+        self.num_worlds = num_worlds
+        self.worlds: World = allocate_worlds(
+            num_worlds, scenario.num_havs, scenario.max_trailers + 1, scenario.num_goals
+        )
+
+    def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
+        """Begin an episode in every world.
+
+        Args:
+            seed: from 0 to 2**32 - 1. An episode is determined by scenario, seed and number.
+            episodes: (W,) numbers of the episodes; by default 0 .. W - 1.
+
+        Raises:
+            ValueError: when the seed is out of range.
+            PlacementError: when a world has no room for its HAVs.
+        """
+        check_seed(seed)
+        if episodes is None:
+            episodes = np.arange(self.num_worlds)
+        placed = np.zeros(self.num_worlds, np.bool_)
+        begin_worlds(self.num_worlds, self.scenario, self.task, self.worlds, seed, episodes, placed)
+        check_placed(placed, self.scenario)
+
+    def step(self, speed: np.ndarray, steering: np.ndarray) -> None:
+        """Advance every world by one step.
+
+        Args:
+            speed: (N, W) of the trucks [m/s]; steering: (N, W) [rad], left positive. Both are cut
+                to the limits of each HAV.
+
+        Raises:
+            ValueError: when a shape is wrong or a number is not finite.
+        """
+        shape = self.worlds.state.x.shape
+        arrays = []
+        for name, values in (("speed", speed), ("steering", steering)):
+            array = np.asarray(values, float)
+            if array.shape != shape:
+                raise ValueError(f"{name} has shape {array.shape}, but must have (N, W) = {shape}")
+            if not np.isfinite(array).all():
+                raise ValueError(f"{name} holds a number that is not finite")
+            arrays.append(np.ascontiguousarray(array))
+        step_worlds(self.num_worlds, self.task, self.vehicle, self.worlds, *arrays)
+
+    @property
+    def ended(self) -> np.ndarray:
+        """(W,) bool: the episode is over, by success or by time."""
+        state = self.worlds.state
+        return state.waiting.all(axis=0) | (state.clock[STEP] >= self.task.max_steps)
+
+
+def check_seed(seed: int) -> None:
+    """Raise ValueError unless the seed is a whole number of 32 bits."""
+    if not 0 <= seed < SEED_LIMIT:
+        raise ValueError(f"seed is {seed}, but must be from 0 to {SEED_LIMIT - 1}")
+
+
+def check_placed(placed: np.ndarray, scenario) -> None:
+    """Raise PlacementError when a world had no room for its HAVs."""
+    if not placed.all():
+        raise PlacementError(
+            f"{np.count_nonzero(~placed)} of {placed.size} worlds have no room for"
+            f" {scenario.num_havs} HAVs without potential collisions: {scenario}"
+        )

@@ -1,0 +1,183 @@
+"""How the project compiles: the only module that imports Numba.
+
+Three tiers. A ``kernel`` is compiled where it is used: scalar (floats in, floats out) or on one
+world. A ``generic`` picks a kernel by the type of a model. An ``entry`` is a loop over worlds that
+Python calls: it alone is cached on disk, and its worlds are spread over threads.
+"""
+
+import concurrent.futures
+import functools
+import hashlib
+import logging
+import os
+import pathlib
+import tempfile
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from numba.extending import overload
+
+_log = logging.getLogger(__name__)
+_source_folders = {pathlib.Path(__file__).parent}  # whose code ends up in compiled loops
+_SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
+# Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
+# most of the time. A kernel must therefore not return an array to Python.
+_OPTIONS = {"error_model": "numpy", "nogil": True, "_nrt": False}
+_INLINED = _OPTIONS | {"forceinline": True}
+
+
+def kernel(function: Callable) -> Callable:
+    """Compile a function of floats. Not cached: the entry that calls it is."""
+    return numba.njit(**_OPTIONS)(function)
+
+
+def world_kernel(function: Callable) -> Callable:
+    """Compile a function of one world into its callers.
+
+    A world is twenty arrays; handing them over would take longer than most rules work on them.
+    The inlining is LLVM's: Numba's own (``inline="always"``) miscompiles returns out of loops.
+    """
+    return numba.njit(**_INLINED)(function)
+
+
+def generic(stub: Callable) -> Any:
+    """``functools.singledispatch`` for kernels: the type of the first argument picks the code.
+
+    Register a kernel with ``@stub.register(ModelClass)``; ``stub.table`` maps classes to kernels.
+    The choice is made when a caller is compiled, so it costs nothing when it runs.
+    """
+    table: dict[type, Callable] = {}
+
+    def dispatch(model, *args):
+        return table[type(model)](model, *args)
+
+    def choose(model, *args):
+        chosen = table.get(getattr(model, "instance_class", object))
+        return chosen and getattr(chosen, "py_func", chosen)
+
+    def register(model_class: type) -> Callable:
+        def decorate(function: Callable) -> Callable:
+            _note_sources(function)
+            table[model_class] = world_kernel(function)
+            return table[model_class]
+
+        return decorate
+
+    functools.update_wrapper(dispatch, stub)
+    del dispatch.__wrapped__  # type: ignore[attr-defined]  # Numba would read the stub's signature
+    dispatch.register, dispatch.table = register, table  # type: ignore[attr-defined]
+    overload(dispatch, strict=False, jit_options=_INLINED)(choose)
+    return dispatch
+
+
+def entry(function: Callable) -> Callable:
+    """Make ``loop(first, last, *args)`` over worlds callable as ``loop(count, *args)``.
+
+    The loop is compiled at its first call, once models are registered, and kept on disk under the
+    digest of all sources, for Numba itself does not see edits in other files. The worlds are cut
+    into chunks that threads take as they become free. The threads are Python's and the loop is
+    serial and free of the GIL: Numba's ``prange`` loses writes to fields of tuples (numba#7135)
+    and does not survive a fork.
+
+    The call takes two keywords: ``threads`` (default: ``default_threads()``) and ``chunk``, the
+    number of worlds a thread takes at a time (default: an equal share for every thread).
+    """
+    _note_sources(function)
+    compiled: dict[frozenset, Callable] = {}
+
+    @functools.wraps(function)
+    def call(count: int, *args: Any, threads: int | None = None, chunk: int | None = None) -> None:
+        folders = frozenset(_source_folders)
+        if folders not in compiled:
+            compiled[folders] = _cached(function, folders)
+        loop = compiled[folders]
+        _ensure_compiled(loop, function.__name__, args)
+        threads = threads or default_threads()
+        chunk = chunk or -(-count // threads)
+        if threads == 1 or count <= chunk:
+            loop(0, count, *args)
+            return
+        spans = [(first, min(first + chunk, count)) for first in range(0, count, chunk)]
+        jobs = [_pool(os.getpid(), threads).submit(loop, *span, *args) for span in spans]
+        try:
+            for job in jobs:
+                job.result()
+        finally:
+            for job in jobs:  # after an interrupt: do not start what has not begun
+                job.cancel()
+
+    return call
+
+
+def default_threads() -> int:
+    """Return how many threads an entry uses: ``HAV_THREADS``, or the cores this process may use.
+
+    Raises:
+        ValueError: when ``HAV_THREADS`` is not a whole number of at least 1.
+    """
+    wish = os.environ.get("HAV_THREADS")
+    if not wish:
+        return (
+            len(os.sched_getaffinity(0))
+            if hasattr(os, "sched_getaffinity")
+            else os.cpu_count() or 1
+        )
+    if not wish.isdigit() or int(wish) < 1:
+        raise ValueError(f"HAV_THREADS is {wish!r}, but must be a whole number of at least 1")
+    return int(wish)
+
+
+def _note_sources(function: Callable) -> None:
+    _source_folders.add(pathlib.Path(function.__code__.co_filename).parent)
+
+
+def _cached(function: Callable, folders: frozenset) -> Callable:
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(path for folder in folders for path in folder.rglob("*.py")):
+        digest.update(path.read_bytes())
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(_writable_home() / digest.hexdigest()[:16])
+    try:
+        return numba.njit(cache=True, **_OPTIONS)(function)
+    finally:
+        numba.config.CACHE_DIR = previous
+
+
+def _writable_home() -> pathlib.Path:
+    home = pathlib.Path(os.environ.get("NUMBA_CACHE_DIR") or "~/.cache/hav_env").expanduser()
+    try:
+        home.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=home):
+            return home
+    except OSError:
+        return pathlib.Path(tempfile.gettempdir()) / f"hav_env-{os.getuid()}"
+
+
+_announced: set[tuple] = set()
+
+
+def _ensure_compiled(loop: Any, name: str, args: tuple) -> None:
+    """Compile (or load) the loop for these arguments first, and say so when it takes a while."""
+    kinds = (id(loop), *map(type, args))
+    if kinds in _announced or not hasattr(loop, "compile"):
+        return
+    notice = threading.Timer(
+        _SILENT_SECONDS,
+        _log.warning,
+        (f"hav_env compiles {name} (once for this version on this machine) ...",),
+    )
+    notice.daemon = True
+    notice.start()
+    try:
+        loop.compile((numba.int64, numba.int64, *map(numba.typeof, args)))
+    finally:
+        notice.cancel()
+    _announced.add(kinds)
+
+
+@functools.cache
+def _pool(process: int, threads: int) -> concurrent.futures.ThreadPoolExecutor:
+    """One pool per process, so that a forked child does not wait for its parent's threads."""
+    return concurrent.futures.ThreadPoolExecutor(threads, thread_name_prefix="hav_env")

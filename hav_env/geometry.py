@@ -1,0 +1,54 @@
+"""Plane geometry on floats: angles, frames and segments."""
+
+import math
+
+from hav_env.compiled import kernel
+
+TWO_PI = 2.0 * math.pi
+TURNS_PER_RADIAN = 1.0 / TWO_PI
+
+
+@kernel
+def wrap(angle):
+    """Return the angle [rad] moved by whole turns into [-pi, pi)."""
+    return angle - TWO_PI * math.floor((angle + math.pi) * TURNS_PER_RADIAN)
+
+
+@kernel
+def clip(value, low, high):
+    """Return the value, or the bound that it passes."""
+    return min(max(value, low), high)
+
+
+@kernel
+def into_frame(dx, dy, cosine, sine):
+    """Rotate a difference of positions [m] into the frame of a heading: (forward, left)."""
+    return dx * cosine + dy * sine, dy * cosine - dx * sine
+
+
+@kernel
+def _side(ax, ay, bx, by, px, py):
+    """Return > 0 when p lies left of the line a -> b, < 0 when right, 0 when on it."""
+    return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+
+
+@kernel
+def _in_box(ax, ay, bx, by, px, py):
+    return min(ax, bx) <= px <= max(ax, bx) and min(ay, by) <= py <= max(ay, by)
+
+
+@kernel
+def segments_intersect(ax, ay, bx, by, cx, cy, dx, dy):
+    """Tell whether the segments a-b and c-d have a point in common; touching counts."""
+    c_side, d_side = _side(ax, ay, bx, by, cx, cy), _side(ax, ay, bx, by, dx, dy)
+    a_side, b_side = _side(cx, cy, dx, dy, ax, ay), _side(cx, cy, dx, dy, bx, by)
+    crossed = (c_side < 0 < d_side or d_side < 0 < c_side) and (
+        a_side < 0 < b_side or b_side < 0 < a_side
+    )
+    return (
+        crossed
+        or (c_side == 0 and _in_box(ax, ay, bx, by, cx, cy))
+        or (d_side == 0 and _in_box(ax, ay, bx, by, dx, dy))
+        or (a_side == 0 and _in_box(cx, cy, dx, dy, ax, ay))
+        or (b_side == 0 and _in_box(cx, cy, dx, dy, bx, by))
+    )

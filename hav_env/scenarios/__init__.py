@@ -1,0 +1,60 @@
+"""Who starts where and must go where: one file for each kind of scenario, chosen by its type.
+
+A scenario is a NamedTuple with the fields ``num_havs``, ``num_goals`` and ``max_trailers``, from
+which the arrays get their shapes.
+"""
+
+import functools
+
+from hav_env.compiled import generic
+from hav_env.scenarios.explicit import (
+    Explicit,
+    check_explicit,
+    explicit,
+    load_explicit,
+    populate_explicit,
+)
+from hav_env.scenarios.random_poses import (
+    RandomPoses,
+    check_random_poses,
+    populate_random_poses,
+)
+
+
+@generic
+def populate(scenario, world):
+    """Fill fleet, start poses and goals of one world from the key of its episode.
+
+    Returns False when the scenario found no room for its HAVs.
+    """
+
+
+@functools.singledispatch
+def check_scenario(scenario) -> None:
+    """Check a scenario before it is used.
+
+    Raises:
+        ValueError: naming the field, its value and what is allowed.
+        TypeError: when this is no scenario.
+    """
+    raise TypeError(f"{scenario!r} is not a scenario: register its type with populate")
+
+
+class PlacementError(ValueError):
+    """A scenario found no room for its HAVs."""
+
+
+populate.register(RandomPoses)(populate_random_poses)
+check_scenario.register(RandomPoses)(check_random_poses)
+populate.register(Explicit)(populate_explicit)
+check_scenario.register(Explicit)(check_explicit)
+
+__all__ = [
+    "Explicit",
+    "PlacementError",
+    "RandomPoses",
+    "check_scenario",
+    "explicit",
+    "load_explicit",
+    "populate",
+]
