@@ -46,7 +46,9 @@ def tabulate(worlds: World, start: np.ndarray, policy) -> pa.Table:
 
     def rows(values: np.ndarray) -> np.ndarray:
         """(N, ..., W) -> (W * N, ...)."""
-        return np.moveaxis(values, -1, 0).reshape(num_worlds * num_havs, *values.shape[1:-1])
+        shape = num_worlds * num_havs, *values.shape[1:-1]
+        # contiguous: NumPy's order of summation, and so the last bit, depends on the layout
+        return np.ascontiguousarray(np.moveaxis(values, -1, 0)).reshape(shape)
 
     def every_hav(values: np.ndarray) -> np.ndarray:
         """(W,) -> (W * N,)."""

@@ -5,7 +5,7 @@ import functools
 import numpy as np
 
 from hav_env import Batch
-from hav_env.compiled import entry, generic
+from hav_env.compiled import entry, generic, world_kernel
 from hav_env.world import world_at
 
 
@@ -21,13 +21,20 @@ def act(policy, memory, world, agent):
     """
 
 
+@world_kernel
+def act_all(policy, memory, world, speed, steering):
+    """Let every HAV of a world decide, (N,) each; one that waits at its goal is not asked."""
+    for agent in range(speed.shape[0]):
+        speed[agent], steering[agent] = 0.0, 0.0
+        if not world.state.waiting[agent]:
+            speed[agent], steering[agent] = act(policy, memory, world, agent)
+
+
 @entry
 def act_worlds(first, last, policy, memory, worlds, speed, steering):
     """Let every HAV of a range of worlds decide."""
     for w in range(first, last):
-        world = world_at(worlds, w)
-        for agent in range(speed.shape[0]):
-            speed[agent, w], steering[agent, w] = act(policy, memory[:, :, w], world, agent)
+        act_all(policy, memory[:, :, w], world_at(worlds, w), speed[:, w], steering[:, w])
 
 
 @functools.singledispatch
@@ -57,6 +64,8 @@ def check_policy(policy) -> None:
 
 def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.ndarray]:
     """Return speed [m/s] and steering [rad], each (N, W), of every HAV of a batch.
+
+    HAVs that wait at their goal are not asked: theirs are zero.
 
     Args:
         policy: a registered policy.

@@ -12,7 +12,7 @@ from hav_env.sensing import goal_pose, limits, stable_radius, unit_length
 class DubinsPursuit(NamedTuple):
     """Follow the shortest Dubins path to the goal; no regard for trailers and other HAVs."""
 
-    close_factor: float = 1.0
+    close_factor: float = 3.5
     """"Close to goal" means within this many truck lengths; see ``AvoidJack.close_factor``."""
     straight_below: float = 1e-3
     """A first turn shorter than this counts as none [m]; see ``AvoidJack.straight_below``."""

@@ -4,11 +4,10 @@ import numpy as np
 import pyarrow as pa
 
 from baselines.metrics import tabulate
-from baselines.policy import act, allocate_memory, check_policy
+from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
-from hav_env.batch import check_placed, check_seed
 from hav_env.compiled import entry
-from hav_env.transition import begin, ended, step
+from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
 from hav_env.world import world_at
 
@@ -18,35 +17,13 @@ _CHUNK = 16
 
 
 @entry
-def rollout_worlds(
-    first,
-    last,
-    policy,
-    scenario,
-    task,
-    vehicle,
-    worlds,
-    memory,
-    action,
-    start,
-    seed,
-    episodes,
-    placed,
-):
-    """Run an episode to its end in each of a range of worlds."""
+def rollout_worlds(first, last, policy, task, vehicle, worlds, memory, speed, steering):
+    """Run the episode that has begun in each of a range of worlds to its end."""
     for w in range(first, last):
         world = world_at(worlds, w)
-        own_memory, speed, steering = memory[:, :, w], action[0, :, w], action[1, :, w]
-        placed[w] = begin(scenario, task, world, seed, episodes[w])
-        for agent in range(speed.shape[0]):
-            start[agent, 0, w] = world.state.x[agent]
-            start[agent, 1, w] = world.state.y[agent]
-            start[agent, 2, w] = world.state.heading[agent, 0]
-        while placed[w] and not ended(task, world):
-            for agent in range(speed.shape[0]):
-                if not world.state.waiting[agent]:
-                    speed[agent], steering[agent] = act(policy, own_memory, world, agent)
-            step(task, vehicle, world, speed, steering)
+        while not ended(task, world):
+            act_all(policy, memory[:, :, w], world, speed[:, w], steering[:, w])
+            step(task, vehicle, world, speed[:, w], steering[:, w])
 
 
 def rollout(
@@ -74,27 +51,20 @@ def rollout(
         PlacementError: when a scenario has no room for its HAVs.
     """
     check_policy(policy)
-    check_seed(seed)
-    episodes = np.ascontiguousarray(episodes, np.int64)
     batch = Batch(scenario, len(episodes), task, vehicle)
-    num_havs, num_worlds = batch.worlds.state.x.shape
-    start = np.zeros((num_havs, 3, num_worlds))
-    placed = np.zeros(num_worlds, np.bool_)
+    batch.reset(seed, np.ascontiguousarray(episodes, np.int64))
+    state = batch.worlds.state
+    start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
+    num_havs, num_worlds = state.x.shape
     rollout_worlds(
         num_worlds,
         policy,
-        scenario,
         task,
         vehicle,
         batch.worlds,
         allocate_memory(policy, num_havs, num_worlds),
-        np.zeros((2, num_havs, num_worlds)),
-        start,
-        seed,
-        episodes,
-        placed,
+        *np.zeros((2, num_havs, num_worlds)),
         threads=threads,
         chunk=_CHUNK,
     )
-    check_placed(placed, scenario)
     return tabulate(batch.worlds, start, policy)

@@ -95,6 +95,10 @@ class Batch:
             arrays.append(np.ascontiguousarray(array))
         step_worlds(self.num_worlds, self.task, self.vehicle, self.worlds, *arrays)
 
+    def world(self, w: int) -> World:
+        """Return the view of one world: the arrays without their last axis."""
+        return getattr(world_at, "py_func", world_at)(self.worlds, w)
+
     @property
     def ended(self) -> np.ndarray:
         """(W,) bool: the episode is over, by success or by time."""

@@ -133,12 +133,17 @@ def _note_sources(function: Callable) -> None:
     _source_folders.add(pathlib.Path(function.__code__.co_filename).parent)
 
 
-def _cached(function: Callable, folders: frozenset) -> Callable:
+def source_digest(folders: frozenset | None = None) -> str:
+    """Return a digest of all code that may end up in compiled loops, and of Numba's version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(path for folder in folders for path in folder.rglob("*.py")):
+    for path in sorted(p for folder in folders or _source_folders for p in folder.rglob("*.py")):
         digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _cached(function: Callable, folders: frozenset) -> Callable:
     previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_writable_home() / digest.hexdigest()[:16])
+    numba.config.CACHE_DIR = str(_writable_home() / source_digest(folders))
     try:
         return numba.njit(cache=True, **_OPTIONS)(function)
     finally:

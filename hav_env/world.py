@@ -161,13 +161,15 @@ def put_straight(state, agent, x, y, heading):
 
 
 @kernel
-def derive_radii(fleet, agent):
+def derive_radii(fleet, agent, truck_share):
     """Set what follows from a HAV's lengths: footprint radius d_i and minimal stable radius R_min.
+
+    d_i = sum_j l^j over the trailers, plus a share of the truck's length (the paper's is 0).
 
     R_min = sqrt(sum_j (l^j)^2) over the truck and all trailers, eq. (rmin).
     """
     truck = fleet.length[agent, 0]
-    footprint, squares = 0.0, truck * truck
+    footprint, squares = truck_share * truck, truck * truck
     for unit in range(1, fleet.num_trailers[agent] + 1):
         length = fleet.length[agent, unit]
         footprint += length

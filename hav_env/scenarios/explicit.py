@@ -32,7 +32,7 @@ def explicit(
     goals: Sequence[Sequence[Sequence[float]]],
     *,
     speed_max: float = 1.0,
-    steering_max: float = math.radians(50.0),
+    steering_max: float = math.radians(40.0),
     articulation_max: float = math.pi / 2,
 ) -> Explicit:
     """Write a scenario down.
@@ -156,7 +156,7 @@ def populate_explicit(scenario, world):
         fleet.limit[agent, SPEED] = scenario.speed_max
         fleet.limit[agent, STEERING] = scenario.steering_max
         fleet.limit[agent, ARTICULATION] = scenario.articulation_max
-        derive_radii(fleet, agent)
+        derive_radii(fleet, agent, 0.0)
         x, y, heading = scenario.start[agent]
         put_straight(world.state, agent, x, y, heading)
         for goal in range(scenario.num_goals):

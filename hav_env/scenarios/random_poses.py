@@ -50,11 +50,15 @@ class RandomPoses(NamedTuple):
     long_truck_deviation: float = 1.2
     area_factor: float = 4.0
     """Area of the square over the sum of the footprints' areas; 2 is double density."""
+    footprint_truck_share: float = 0.0
+    """Share of the truck's length in the footprint radius d_i. The paper's formula sums the
+    trailers alone, so that a truck sticks out; its few actual collisions read as if trucks
+    counted."""
     speed_max: float = 1.0
     """[m/s]; eq. (vmax) allows the paper's fleets at least this."""
-    steering_max: float = math.radians(50.0)
-    """[rad]; the paper does not state it. v_max >= 1 m/s bounds it below 58.8 degrees, and 50
-    degrees fits both single-HAV goal figures (docs/reproduction.md)."""
+    steering_max: float = math.radians(40.0)
+    """[rad]; the paper does not state it. v_max >= 1 m/s bounds it below 58.8 degrees; 40 degrees
+    fits the jackknifes and goals published for single HAVs (docs/reproduction.md)."""
     articulation_max: float = math.pi / 2
     """Jackknifed beyond it [rad]."""
     pose_attempts: int = 1_000
@@ -101,7 +105,7 @@ def _draw_fleet(scenario, fleet, key, draw):
         fleet.limit[agent, SPEED] = scenario.speed_max
         fleet.limit[agent, STEERING] = scenario.steering_max
         fleet.limit[agent, ARTICULATION] = scenario.articulation_max
-        derive_radii(fleet, agent)
+        derive_radii(fleet, agent, scenario.footprint_truck_share)
     return draw
 
 
@@ -191,6 +195,7 @@ def check_random_poses(scenario: RandomPoses) -> None:
     for field in ("short_truck_deviation", "long_truck_deviation", "trailer_sigma"):
         require(getattr(scenario, field) > 0, field, "above 0")
     require(scenario.area_factor > 0, "area_factor", "above 0")
+    require(0 <= scenario.footprint_truck_share <= 1, "footprint_truck_share", "in [0, 1]")
     require(scenario.speed_max > 0, "speed_max", "above 0 m/s")
     require(0 < scenario.steering_max < math.pi / 2, "steering_max", "in (0, pi/2) rad")
     require(0 < scenario.articulation_max <= math.pi, "articulation_max", "in (0, pi] rad")

@@ -7,32 +7,42 @@ from hav_env.world import turn_unit
 
 
 class OnAxle(NamedTuple):
-    """On-axle hitching, rolling without slip, explicit Euler integration."""
+    """On-axle hitching, rolling without slip, explicit Euler integration.
+
+    The paper does not state its integrator. Its simulation reads like a program that updates one
+    variable after the other: the truck's heading, its position, then trailer by trailer, each from
+    the newest values. That order fits the published figures, and is the default.
+    """
 
     substeps: int = 1
     """Euler steps within one step of the simulation; the paper's is one."""
+    simultaneous: bool = False
+    """Take all derivatives at the beginning of an Euler step instead of in order."""
 
 
 def move_on_axle(vehicle, dt, world, agent, speed, steering):
     """Integrate eqs. (kinematics) and (kinematics-trailers).
 
-    Every derivative is taken at the start of an Euler step. The sine and the cosine of an
-    articulation come from those of the two headings, which the state keeps.
+    The sine and the cosine of an articulation come from those of the two headings, which the state
+    keeps.
     """
     state, length = world.state, world.fleet.length
     h = dt / vehicle.substeps
     yaw_per_speed = math.tan(steering) / length[agent, 0]
     for _ in range(vehicle.substeps):
         cosine_ahead, sine_ahead = state.cosine[agent, 0], state.sine[agent, 0]
+        turn_unit(state, agent, 0, state.heading[agent, 0] + h * speed * yaw_per_speed)
+        if not vehicle.simultaneous:
+            cosine_ahead, sine_ahead = state.cosine[agent, 0], state.sine[agent, 0]
         state.x[agent] += h * speed * cosine_ahead
         state.y[agent] += h * speed * sine_ahead
-        turn_unit(state, agent, 0, state.heading[agent, 0] + h * speed * yaw_per_speed)
         unit_speed = speed  # v^{j-1}, which decreases from unit to unit
         for unit in range(1, world.fleet.num_trailers[agent] + 1):
             cosine, sine = state.cosine[agent, unit], state.sine[agent, unit]
             sine_articulation = sine * cosine_ahead - cosine * sine_ahead
-            cosine_articulation = cosine * cosine_ahead + sine * sine_ahead
             yaw_rate = -unit_speed / length[agent, unit] * sine_articulation
             turn_unit(state, agent, unit, state.heading[agent, unit] + h * yaw_rate)
-            unit_speed *= cosine_articulation
+            if not vehicle.simultaneous:
+                cosine, sine = state.cosine[agent, unit], state.sine[agent, unit]
+            unit_speed *= cosine * cosine_ahead + sine * sine_ahead
             cosine_ahead, sine_ahead = cosine, sine

@@ -1,0 +1,94 @@
+"""Score policies on the same episodes: one table of figures, and differences between policies."""
+
+import pathlib
+from typing import NamedTuple
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from baselines.statistics import Interval, mean, paired_difference, wilson
+
+
+class Figure(NamedTuple):
+    """One column of the comparison: what it is called and which rows of the table it is about."""
+
+    name: str
+    column: str
+    percent: bool  # a share of all HAVs; otherwise a mean over the HAVs that have a value
+    more_is_better: bool
+
+
+def figures_of(table: pa.Table) -> list[Figure]:
+    """Return the figures that a table has: the paper's, then times, lengths and articulation."""
+    goals = range(1, 1 + sum(name.endswith("_dubins_length") for name in table.column_names))
+    figures = [Figure("jackknifed", "jackknifed", True, False)]
+    figures += [Figure(f"goal {g} hit", f"goal_{g}_hit", True, True) for g in goals]
+    if pc.max(table["hav"]).as_py() > 0:
+        figures += [
+            Figure("potential collision", "potential_collision", True, False),
+            Figure("actual collision", "actual_collision", True, False),
+        ]
+    figures += [Figure("folded through", "folded_through", True, False)]
+    figures += [Figure(f"goal {g} step", f"goal_{g}_step", False, False) for g in goals]
+    figures += [Figure(f"goal {g} driven / Dubins", f"goal_{g}_length_ratio", False, False)
+                for g in goals]  # fmt: skip
+    return [*figures, Figure("largest articulation [rad]", "largest_articulation", False, False)]
+
+
+def values_of(table: pa.Table, figure: Figure) -> np.ndarray:
+    """Return the values of a figure for every row, nan where there is none."""
+    return table[figure.column].cast(pa.float64()).to_numpy(zero_copy_only=False)
+
+
+def measure(table: pa.Table, figure: Figure) -> Interval:
+    """Return a figure with its 95 % interval: Wilson for shares, normal for means."""
+    values = values_of(table, figure)
+    return wilson(int(values.sum()), values.size) if figure.percent else mean(values)
+
+
+def compare(names: list[str], tables: list[pa.Table]) -> list[list[str]]:
+    """Return the rows of a comparison: figure, then each policy's value.
+
+    Behind every policy but the first stands how much it differs from the first on the same HAVs of
+    the same episodes, with its 95 % interval, and a star where that interval excludes zero.
+    """
+    first = tables[0]
+    episodes = first["episode"].to_numpy()
+    rows = [["", *names]]
+    for figure in figures_of(first):
+        row = [figure.name, measure(first, figure).show(figure.percent)]
+        reference = values_of(first, figure)
+        for table in tables[1:]:
+            difference = paired_difference(episodes, values_of(table, figure), reference)
+            row.append(
+                f"{measure(table, figure).show(figure.percent)}; {_signed(difference, figure)}"
+            )
+        rows.append(row)
+    return rows
+
+
+def _signed(difference: Interval, figure: Figure) -> str:
+    if difference.size == 0:
+        return "no common HAVs"
+    scale, unit = (100, " pp") if figure.percent else (1, "")
+    low, value, high = (scale * x for x in (difference.low, difference.value, difference.high))
+    star = "" if low <= 0 <= high else " *"
+    return f"{value:+.3g}{unit} [{low:+.3g}, {high:+.3g}]{star}"
+
+
+def markdown(rows: list[list[str]]) -> str:
+    """Write rows as a table in Markdown; the first row is the head."""
+    lines = ["| " + " | ".join(row) + " |" for row in rows]
+    lines.insert(1, "|" + "|".join(["---"] + ["--:"] * (len(rows[0]) - 1)) + "|")
+    return "\n".join(lines) + "\n"
+
+
+def read_columns(path: pathlib.Path) -> pa.Table:
+    """Read the columns that the figures need of a table on disk."""
+    names = pq.read_schema(path).names
+    needed = ("jackknifed", "folded_through", "episode", "hav", "largest_articulation")
+    endings = ("_collision", "_hit", "_step", "_length_ratio", "_dubins_length")
+    kept = [name for name in names if name in needed or name.endswith(endings)]
+    return pq.read_table(path, columns=kept)

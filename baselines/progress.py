@@ -1,0 +1,40 @@
+"""A progress bar for experiments, with their rate and the rate of HAV-steps."""
+
+import rich.progress
+from rich.console import Console
+
+
+class Progress:
+    """A bar over a number of experiments, as a context manager; drawn on standard error."""
+
+    def __init__(self, num_experiments: int) -> None:
+        self._bar = rich.progress.Progress(
+            rich.progress.TextColumn("{task.completed:,}/{task.total:,} experiments"),
+            rich.progress.BarColumn(),
+            rich.progress.TextColumn("{task.fields[rate]}"),
+            rich.progress.TimeElapsedColumn(),
+            rich.progress.TimeRemainingColumn(),
+            console=Console(stderr=True),
+        )
+        self._task = self._bar.add_task("", total=num_experiments, rate="")
+        self._steps = self._experiments = 0
+
+    def __enter__(self) -> "Progress":
+        self._bar.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._bar.stop()
+
+    def advance(self, experiments: int, steps: int) -> None:
+        """Move on by a number of experiments, which took so many steps of moving HAVs.
+
+        No steps mean that an earlier run did them: they do not count for the rate.
+        """
+        self._steps += steps
+        self._experiments += experiments if steps else 0
+        seconds = self._bar.tasks[0].elapsed or 1e-9
+        rate = (
+            f"{self._experiments / seconds:,.0f}/s, {self._steps / seconds / 1e6:.2f} M HAV-steps/s"
+        )
+        self._bar.update(self._task, advance=experiments, rate=rate)

@@ -1,0 +1,43 @@
+"""The HAV that the yardsticks drive, by which rules, and what they report of it.
+
+Values are pinned here, so that the work stays the same when the project's defaults change.
+"""
+
+import math
+from typing import NamedTuple
+
+from baselines.avoid_jack import AvoidJack, safe_speed
+from hav_env import OnAxle, Task, explicit
+
+TASK, POLICY = Task(), AvoidJack(close_factor=1.0)
+VEHICLE = OnAxle(simultaneous=True)  # explicit Euler: what arrays can do at once
+LENGTHS = (4.0, 6.0, 8.0, 5.0, 7.0, 6.0)  # of the truck and five trailers [m]
+START = (0.0, 0.0, 0.0)
+GOALS = (  # as far apart as the paper's are for this HAV; the last is hit after some 6,700 steps
+    (100.0, 20.0, 1.0),
+    (60.0, 90.0, 3.0),
+    (10.0, 40.0, -1.5),
+    (90.0, 10.0, 0.5),
+    (20.0, 80.0, 2.0),
+    (70.0, 50.0, -2.5),
+)
+SCENARIO = explicit([LENGTHS], [START], [GOALS], steering_max=math.radians(50.0))
+
+# What does not change from step to step, computed once as anybody would.
+STABLE_RADIUS = math.sqrt(sum(length * length for length in LENGTHS))  # R_min [m]
+STEERING_MAX = SCENARIO.steering_max  # [rad]
+COSINE_LIMIT = math.cos(SCENARIO.articulation_max)
+SPEED = min(  # [m/s]
+    SCENARIO.speed_max,
+    safe_speed(POLICY.dt, *LENGTHS[:2], STEERING_MAX, SCENARIO.articulation_max, POLICY.beta),
+)
+
+
+class Outcome(NamedTuple):
+    """Where a HAV is after some steps, and what has happened to it."""
+
+    x: float  # of the truck's rear axle [m]
+    y: float
+    headings: list[float]  # of the truck and the trailers [rad]
+    goals_hit: int
+    jackknife_step: int  # -1 when it never jackknifed

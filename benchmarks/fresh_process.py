@@ -1,0 +1,61 @@
+"""What a fresh process costs: seconds to its first finished experiment, and memory.
+
+Run as a script it is that process: ``python -m benchmarks.fresh_process 500`` runs so many of the
+paper's experiments in slices, as ``python -m baselines reproduce`` does, and prints its peak
+memory [MiB].
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+_SLICE = 500  # episodes of one rollout; their records are dropped before the next
+_MODULE = "benchmarks.fresh_process"
+
+
+def start_seconds() -> tuple[float, float]:
+    """Return the time [s] to a finished experiment on an empty cache, and of the process after it.
+
+    Both count from the start of Python, imports included.
+    """
+    seconds = []
+    with tempfile.TemporaryDirectory() as cache:
+        for _ in range(2):
+            start = time.perf_counter()
+            _run(1, NUMBA_CACHE_DIR=cache)
+            seconds.append(time.perf_counter() - start)
+    return seconds[0], seconds[1]
+
+
+def peak_memory(num_experiments: int) -> float:
+    """Return the peak memory [MiB] of a process that runs so many experiments."""
+    return float(_run(num_experiments))
+
+
+def _run(num_experiments: int, **environment: str) -> str:
+    command = [sys.executable, "-m", _MODULE, str(num_experiments)]
+    environment = os.environ | environment
+    done = subprocess.run(command, check=True, env=environment, capture_output=True, text=True)
+    return done.stdout
+
+
+def _main(num_experiments: int) -> None:
+    import resource  # noqa: PLC0415  (not on Windows, where nobody calls this)
+
+    import numpy as np  # noqa: PLC0415  (here, so that the parent's import stays free of it)
+
+    from baselines.avoid_jack import AvoidJack  # noqa: PLC0415
+    from baselines.rollout import rollout  # noqa: PLC0415
+    from hav_env import RandomPoses  # noqa: PLC0415
+
+    for first in range(0, num_experiments, _SLICE):
+        episodes = np.arange(first, min(first + _SLICE, num_experiments))
+        rollout(AvoidJack(), RandomPoses(), 0, episodes)
+    per_mebibyte = 2**20 if sys.platform == "darwin" else 2**10
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / per_mebibyte)
+
+
+if __name__ == "__main__":
+    _main(int(sys.argv[1]))

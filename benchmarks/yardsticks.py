@@ -1,0 +1,59 @@
+"""Two yardsticks: the compiled step of one HAV, written again in plain Python and in NumPy.
+
+Both drive one HAV with five trailers by AVOID-JACK from goal to goal: the goal's side by the
+shortest of six Dubins words, jackknife weights, one Euler step, tests for a jackknife and for the
+goal. They do what one would write without a compiler, and less than hav_env does, which also keeps
+records (close misses, largest articulation, driven path).
+"""
+
+from baselines.policy import allocate_memory, decide
+from benchmarks.five_trailers import POLICY, SCENARIO, TASK, VEHICLE, Outcome
+from benchmarks.plain_python import drive_plain_python
+from benchmarks.small_arrays import drive_small_arrays
+from hav_env import Batch
+from hav_env.world import JACKKNIFE, PHASE, WHEN
+
+__all__ = ["check", "drive_compiled", "drive_plain_python", "drive_small_arrays"]
+
+
+def drive_compiled(num_steps: int) -> Outcome:
+    """Drive by hav_env, step by step from Python; needs more than the goals take."""
+    batch = Batch(SCENARIO, task=TASK, vehicle=VEHICLE)
+    batch.reset(seed=0)
+    memory = allocate_memory(POLICY, 1, 1)
+    for _ in range(num_steps):
+        batch.step(*decide(POLICY, memory, batch))
+    state, first = batch.worlds.state, batch.worlds.record.first
+    return Outcome(
+        float(state.x[0, 0]),
+        float(state.y[0, 0]),
+        state.heading[0, :, 0].tolist(),
+        int(state.clock[PHASE, 0] + state.waiting[0, 0]),
+        int(first[0, JACKKNIFE, WHEN, 0]),
+    )
+
+
+def check(num_steps: int = 1_200, tolerance: float = 1e-9) -> None:
+    """Check that both yardsticks do what hav_env does.
+
+    Args:
+        num_steps: to drive; the default passes the first goal.
+        tolerance: for positions [m] and headings [rad], which differ by rounding.
+
+    Raises:
+        AssertionError: naming the yardstick and how far it is off.
+    """
+    compiled = drive_compiled(num_steps)
+    for drive in (drive_plain_python, drive_small_arrays):
+        outcome = drive(num_steps)
+        numbers = zip(
+            (outcome.x, outcome.y, *outcome.headings),
+            (compiled.x, compiled.y, *compiled.headings),
+            strict=True,
+        )
+        error = max(abs(own - other) for own, other in numbers)
+        if not error <= tolerance or outcome[3:] != compiled[3:]:
+            raise AssertionError(
+                f"{drive.__name__} is off by {error} after {num_steps} steps:"
+                f" {outcome} instead of {compiled}"
+            )

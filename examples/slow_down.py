@@ -1,0 +1,27 @@
+"""A policy of your own: the Dubins pursuit, slower the more the HAV is bent.
+
+Run from this folder: python -m baselines evaluate avoid_jack slow_down:SlowDown
+"""
+
+from typing import NamedTuple
+
+from baselines.policy import act
+from baselines.pursuit import goal_attraction
+from hav_env import sensing
+
+
+class SlowDown(NamedTuple):
+    """Pursue the goal with gentler steering while any joint is bent."""
+
+    gentleness: float = 1.0
+
+
+@act.register(SlowDown)
+def slow_down(policy, memory, world, agent):
+    """Weigh the steering with the smallest cosine of an articulation."""
+    speed, steering_max, _ = sensing.limits(world, agent)
+    straightness = 1.0
+    for joint in range(1, sensing.num_trailers(world, agent) + 1):
+        straightness = min(straightness, sensing.articulation_cosine(world, agent, joint))
+    side = goal_attraction(3.5, 1e-3, world, agent)
+    return speed, side * steering_max * max(straightness, 0.0) ** policy.gentleness

@@ -1,0 +1,88 @@
+"""What the tests share: worlds written by hand, and how many examples a run can afford."""
+
+import math
+
+import numba
+import numpy as np
+from hypothesis import settings
+
+from hav_env import Batch, RandomPoses, Task
+from hav_env.world import ARTICULATION, FOOTPRINT, SPEED, STABLE, STEERING, world_at
+
+COMPILED = not numba.config.DISABLE_JIT  # coverage is measured without compilation
+
+settings.register_profile(
+    "suite", deadline=None, derandomize=True, database=None, max_examples=300 if COMPILED else 40
+)
+settings.load_profile("suite")
+
+
+def budget(compiled: int, pure: int) -> int:
+    """Return how many examples to run: pure Python is a hundred times slower."""
+    return compiled if COMPILED else pure
+
+
+def view(worlds, w: int = 0):
+    """Return the view of one world; a compiled kernel must not hand arrays to Python."""
+    return getattr(world_at, "py_func", world_at)(worlds, w)
+
+
+def wrapped(angle):
+    """Return the angle [rad] moved by whole turns into (-pi, pi], by complex numbers."""
+    return np.angle(np.exp(1j * np.asarray(angle)))
+
+
+def chain(lengths, x, y, headings) -> np.ndarray:
+    """Return the axles (units + 1, 2) of a HAV from the front of its truck to its end."""
+    units = np.asarray(lengths)[:, None] * np.stack([np.cos(headings), np.sin(headings)], axis=1)
+    return np.array([x, y]) + np.concatenate([units[:1], np.zeros((1, 2)), -units[1:].cumsum(0)])
+
+
+def open_plane(num_worlds=1, num_havs=1, num_trailers=3, *, task=Task(), vehicle=None, goals=1):
+    """Return a batch whose HAVs are to be overwritten by ``put``; nobody is near a goal."""
+    scenario = RandomPoses(
+        num_havs=num_havs, num_goals=goals, max_trailers=num_trailers, area_factor=1e4
+    )
+    vehicles = {} if vehicle is None else {"vehicle": vehicle}
+    batch = Batch(scenario, num_worlds, task, **vehicles)
+    batch.reset(0)
+    batch.worlds.goals[:] = 1e9
+    batch.worlds.record.first[:] = -1
+    return batch
+
+
+def put(worlds, lengths, x=0.0, y=0.0, headings=0.0, *, w=0, agent=0):
+    """Write one HAV into a world: lengths [m], rear axle of the truck [m], all headings [rad]."""
+    state, fleet, units = worlds.state, worlds.fleet, len(lengths)
+    headings = np.broadcast_to(np.asarray(headings, float), units)
+    fleet.num_trailers[agent, w] = units - 1
+    fleet.length[agent, :, w] = 1.0
+    fleet.length[agent, :units, w] = lengths
+    fleet.radius[agent, FOOTPRINT, w] = sum(lengths[1:])
+    fleet.radius[agent, STABLE, w] = math.hypot(*lengths)
+    state.x[agent, w], state.y[agent, w] = x, y
+    state.heading[agent, :, w] = 0.0
+    state.heading[agent, :units, w] = headings
+    state.cosine[agent, :, w] = np.cos(state.heading[agent, :, w])
+    state.sine[agent, :, w] = np.sin(state.heading[agent, :, w])
+
+
+def limit(worlds, *, speed=1.0, steering=math.radians(50), articulation=math.pi / 2):
+    """Give every HAV of every world the same limits."""
+    worlds.fleet.limit[:, SPEED] = speed
+    worlds.fleet.limit[:, STEERING] = steering
+    worlds.fleet.limit[:, ARTICULATION] = articulation
+
+
+def stand(batch, steps: int = 1) -> None:
+    """Let time pass while nobody moves: what was written is looked at and recorded."""
+    nothing = np.zeros(batch.worlds.state.x.shape)
+    for _ in range(steps):
+        batch.step(nothing, nothing)
+
+
+def bits(worlds, w: int = 0) -> list[bytes]:
+    """Return the bytes of everything in a world but the scratch of the neighbour search."""
+    world = view(worlds, w)
+    arrays = [*world.state, *world.fleet, world.goals, world.nearby.count, *world.record]
+    return [array.tobytes() for array in arrays]

@@ -1,0 +1,193 @@
+"""The commands: what they write, that they resume, and what they say about bad input."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from baselines import results
+from baselines.__main__ import main
+from baselines.avoid_jack import AvoidJack
+from baselines.registry import POLICIES, SCENARIOS
+from baselines.results import Experiments, run_experiments
+from hav_env import RandomPoses, Task
+
+SHORT = ["--task.max-steps", "300"]
+
+
+def run(capsys, *arguments):
+    code = main(list(map(str, arguments)))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_evaluate_compares_policies_on_the_same_episodes(tmp_path, capsys):
+    code, out, _ = run(
+        capsys, "evaluate", *POLICIES, "--scenario", "paper-pair", "--episodes", 4,
+        "--output", tmp_path, *SHORT,
+    )  # fmt: skip
+    assert code == 0
+    assert all(name in out for name in POLICIES)
+    tables = [pq.read_table(tmp_path / f"{name}.parquet") for name in POLICIES]
+    for column in ("episode", "hav", "truck_length", "start_x", "goal_2_heading"):
+        assert all(table[column].equals(tables[0][column]) for table in tables)
+    assert "actual collision" in (tmp_path / "table.md").read_text()
+
+
+def test_parameters_of_policy_and_scenario_are_options(tmp_path, capsys):
+    code, _, _ = run(
+        capsys, "evaluate", "avoid_jack", "--episodes", 2, "--num-havs", 3, "--policy.beta", 1.2,
+        "--output", tmp_path, *SHORT,
+    )  # fmt: skip
+    described = json.loads((tmp_path / "avoid_jack.json").read_text())
+    assert code == 0
+    assert pq.read_table(tmp_path / "avoid_jack.parquet").num_rows == 6
+    assert described["policy"]["beta"] == 1.2
+    assert described["scenario"]["num_havs"] == 3
+
+
+def test_a_policy_of_ones_own_is_evaluated_from_its_module(tmp_path, capsys, monkeypatch):
+    examples = pathlib.Path(__file__).parent.parent / "examples"
+    monkeypatch.syspath_prepend(examples)
+    code, out, _ = run(
+        capsys, "evaluate", "avoid_jack", "slow_down:SlowDown", "--episodes", 1,
+        "--scenario", examples / "two_havs.json", "--output", tmp_path,
+    )  # fmt: skip
+    assert code == 0
+    assert "slow_down:SlowDown" in out
+    assert pq.read_table(tmp_path / "slow_down-SlowDown.parquet").num_rows == 2
+
+
+def test_an_interrupted_run_resumes_and_ends_with_the_same_bytes(tmp_path, monkeypatch):
+    monkeypatch.setattr(results, "PART", 3)
+    experiments = Experiments(AvoidJack(), RandomPoses(num_havs=2), 8, 5, Task(max_steps=200))
+    whole = run_experiments(experiments, tmp_path / "whole", "pair")
+
+    def stop(episodes, steps):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_experiments(experiments, tmp_path / "stopped", "pair", advance=stop)
+    assert len(list((tmp_path / "stopped/pair.parts").iterdir())) == 1
+    done = []
+    resumed = run_experiments(
+        experiments, tmp_path / "stopped", "pair", advance=lambda n, steps: done.append(steps)
+    )
+    assert done[0] == 0  # the first part was not run again
+    assert all(steps > 0 for steps in done[1:])
+    assert resumed.read_bytes() == whole.read_bytes()
+    assert sorted(path.name for path in resumed.parent.iterdir()) == ["pair.json", "pair.parquet"]
+
+
+def test_a_killed_command_leaves_whole_files_only_and_resumes(tmp_path):
+    command = [
+        sys.executable, "-m", "baselines", "evaluate", "random", "--episodes", "20000",
+        "--output", str(tmp_path), "--task.max-steps", "2000",
+    ]  # fmt: skip
+    process = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    parts = tmp_path / "random.parts"
+    deadline = time.monotonic() + 240
+    while not (parts.exists() and list(parts.glob("*.parquet"))):
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    for part in parts.glob("*.parquet"):
+        assert pq.read_table(part).num_rows == results.PART
+    assert not (tmp_path / "random.parquet").exists()
+
+
+def test_the_number_of_experiments_does_not_change_an_experiment(tmp_path):
+    few = Experiments(AvoidJack(), RandomPoses(), 3, 5, Task(max_steps=200))
+    more = few._replace(num_episodes=7)
+    first = pq.read_table(run_experiments(few, tmp_path / "few", "a"))
+    second = pq.read_table(run_experiments(more, tmp_path / "more", "a"))
+    assert second.slice(0, 3).equals(first)
+
+
+def test_a_folder_does_not_mix_runs(tmp_path, capsys):
+    arguments = ["evaluate", "random", "--episodes", 2, "--output", tmp_path, *SHORT]
+    assert run(capsys, *arguments)[0] == 0
+    code, _, err = run(capsys, *arguments, "--seed", 1)
+    assert code == 2
+    assert "another seed" in err
+    assert run(capsys, *arguments, "--seed", 1, "--overwrite")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["fly"], "unknown command 'fly'"),
+        (["evaluate"], "name the policies"),
+        (["evaluate", "nobody"], "unknown policy 'nobody'"),
+        (["evaluate", "nowhere:Nobody"], "cannot load policy"),
+        (["evaluate", "math:sin"], "is not a policy"),
+        (["evaluate", "random", "--speed", "3"], "--speed"),
+        (["evaluate", "avoid_jack", "--policy.beta", "nan"], "policy beta is nan"),
+        (["evaluate", "avoid_jack", "--policy.beta", "much"], "--policy.beta"),
+        (["evaluate", "random", "--num-havs", "0"], "num_havs is 0"),
+        (["evaluate", "random", "--min-length", "-1"], "min_length is -1"),
+        (["evaluate", "random", "--episodes", "0"], "episodes is 0"),
+        (["evaluate", "random", "--seed", "-1"], "seed is -1"),
+        (["evaluate", "random", "--threads", "0"], "threads is 0"),
+        (["evaluate", "random", "--task.dt", "0"], "task dt is 0"),
+        (["evaluate", "random", "--scenario", "moon"], "unknown scenario 'moon'"),
+        (["evaluate", "random", "--scenario", "none.json"], "no scenario file none.json"),
+        (["reproduce", "--policy", "nobody"], "unknown policy 'nobody'"),
+        (["reproduce", "--experiments", "0"], "experiments is 0"),
+        (["calibrate", "--experiments", "0"], "experiments is 0"),
+    ],
+)
+def test_bad_input_is_one_line_and_an_exit_code(arguments, message, tmp_path, capsys):
+    code, _, err = run(capsys, *arguments, *(["--output", tmp_path] if len(arguments) > 1 else []))
+    said = [line for line in err.splitlines() if line.startswith("error: ")]
+    assert code == 2
+    assert len(said) == 1
+    assert message in said[0]
+    assert not list(tmp_path.glob("*.parquet"))
+
+
+def test_a_broken_scenario_file_is_named(tmp_path, capsys):
+    path = tmp_path / "broken.json"
+    path.write_text('{"havs": [')
+    code, _, err = run(capsys, "evaluate", "random", "--scenario", path, "--output", tmp_path / "o")
+    assert code == 2
+    assert f"{path} is not a JSON file" in err
+
+
+def test_an_unwritable_folder_is_named(tmp_path, capsys):
+    (tmp_path / "file").write_text("in the way")
+    output = tmp_path / "file/results"
+    code, _, err = run(capsys, "evaluate", "random", "--episodes", 1, "--output", output)
+    assert code == 2
+    assert "file" in err.splitlines()[-1]
+
+
+def test_reproduce_writes_tables_report_and_figures_twice_the_same(tmp_path, capsys):
+    folders = [tmp_path / name for name in ("one", "two")]
+    for folder, threads in zip(folders, (1, 2), strict=True):
+        code, out, _ = run(
+            capsys, "reproduce", "--experiments", 6, "--seed", 3, "--output", folder,
+            "--threads", threads,
+        )  # fmt: skip
+        assert code == 0
+        assert "86.76 %" in out  # the paper's
+    names = sorted(path.name for path in folders[0].iterdir())
+    assert {"single.parquet", "pair.parquet", "report.md"} <= set(names)
+    assert {"goals_pair.png", "goals_pair.svg", "trajectory_hit.png"} <= set(names)
+    for name in names:
+        assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes(), name
+
+
+def test_presets_are_the_papers():
+    assert SCENARIOS["paper-single"] == RandomPoses(num_havs=1)
+    assert SCENARIOS["paper-pair"] == RandomPoses(num_havs=2)
+    assert np.isclose(np.degrees(AvoidJack().beta), 75)
