@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from baselines.policy import act
 from hav_env.compiled import kernel, world_kernel
-from hav_env.dubins import TURNS, shortest_path
+from hav_env.dubins import TURNS, shortest_path_towards
 from hav_env.sensing import goal_pose, limits, stable_radius, unit_length
 
 
@@ -41,17 +41,18 @@ def goal_attraction(close_factor, straight_below, world, agent):
     truck = unit_length(world, agent, 0)
     close = close_factor * truck
     radius = truck
+    cosine, sine = math.cos(heading), math.sin(heading)
     if forward * forward + left * left >= close * close:
-        forward -= truck * math.cos(heading)
-        left -= truck * math.sin(heading)
+        forward -= truck * cosine
+        left -= truck * sine
         radius = stable_radius(world, agent)
-    return first_side(straight_below, forward, left, heading, radius)
+    word, first, second, third = shortest_path_towards(forward, left, heading, cosine, sine, radius)
+    return first_side(straight_below, word, first, second, third)
 
 
 @kernel
-def first_side(straight_below, forward, left, heading, radius):
-    """Return the side of the first segment of a Dubins path that is not negligible."""
-    word, first, second, third = shortest_path(forward, left, heading, radius)
+def first_side(straight_below, word, first, second, third):
+    """Return the side of the first segment [m] of a Dubins path that is not negligible."""
     turns = TURNS[word]
     if first >= straight_below:
         return float(turns[0])

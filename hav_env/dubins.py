@@ -99,8 +99,16 @@ def shortest_path(forward, left, heading, radius):
         (word, first, second, third): the index into ``WORDS`` and the lengths of the three
         segments [m]. Equally short words: the first one in the order of ``WORDS``.
     """
-    x, y, heading = forward / radius, left / radius, wrap(heading)
-    sine, cosine = math.sin(heading), math.cos(heading)
+    heading = wrap(heading)
+    return shortest_path_towards(
+        forward, left, heading, math.cos(heading), math.sin(heading), radius
+    )
+
+
+@kernel
+def shortest_path_towards(forward, left, heading, cosine, sine, radius):
+    """Return ``shortest_path`` to a heading in [-pi, pi) whose cosine and sine are known."""
+    x, y = forward / radius, left / radius
     word = LSL
     first, second, third = _outer_tangent(x - sine, y + cosine - 1.0, heading)
     shortest = first + second + third

@@ -257,6 +257,7 @@ def test_the_decision_is_the_vector_sum_of_the_paper_in_any_state():
             put(batch.worlds, lengths, *rng.uniform(-60, 60, 2), bends.cumsum(), w=w, agent=agent)
     batch.worlds.state.waiting[:] = True
     stand(batch)
+    batch.worlds.state.waiting[:] = False
     found = np.array(decide(PAPER, allocate_memory(PAPER, num_havs, num_worlds), batch))
     evading = 0
     for w in range(num_worlds):

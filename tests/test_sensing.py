@@ -32,6 +32,7 @@ def sense(shift=0j, turn=0.0):
             batch.worlds.goals[agent, 0, :, w] = there.real, there.imag, goal[1] + turn
     batch.worlds.state.waiting[:] = True  # find neighbours, touch nothing
     batch.step(*np.zeros((2, NUM_HAVS, NUM_WORLDS)))
+    batch.worlds.state.waiting[:] = False  # who waits does not look
     memory = allocate_memory(Probe(), NUM_HAVS, NUM_WORLDS)
     decide(Probe(), memory, batch)
     return memory, scene
