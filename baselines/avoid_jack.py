@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from baselines.policy import act, memory_size
+from baselines.policy import act, check_parameters, memory_size
 from baselines.pursuit import goal_attraction
 from hav_env.compiled import kernel, world_kernel
 from hav_env.geometry import clip
@@ -19,6 +19,7 @@ from hav_env.sensing import (
     num_neighbors,
     num_trailers,
     own_footprint,
+    steering_direction,
     unit_length,
 )
 
@@ -57,6 +58,16 @@ class AvoidJack(NamedTuple):
 _TINY = 1e-12  # m, keeps the direction away from a HAV at the same place finite
 
 
+@check_parameters.register
+def _(policy: AvoidJack) -> None:
+    if not 0 < policy.beta < math.pi:
+        raise ValueError(f"policy beta is {policy.beta}, but must be in (0, pi) rad")
+    if not policy.dt > 0:
+        raise ValueError(f"policy dt is {policy.dt}, but must be above 0 s")
+    if policy.evasion_release < 1:
+        raise ValueError(f"policy evasion_release is {policy.evasion_release}, but must be >= 1")
+
+
 @memory_size.register
 def _(policy: AvoidJack) -> int:
     return 1  # 1 + the number of the HAV being evaded, 0 for none
@@ -66,6 +77,7 @@ def _(policy: AvoidJack) -> int:
 def avoid_jack(policy, memory, world, agent):
     """Add goal attraction (or evasion) and jackknife repulsion, eqs. (jackknife-vector-...)."""
     speed_max, steering_max, articulation_max = limits(world, agent)
+    cosine, sine = steering_direction(world, agent)
     evaded = choose_evaded(policy, memory, world, agent)
     if evaded >= 0:  # the goal vector is replaced by one away from the other HAV
         forward, left = neighbor_position(world, agent, evaded)
@@ -73,9 +85,7 @@ def avoid_jack(policy, memory, world, agent):
         forward, left = -forward / distance, -left / distance
     else:
         side = goal_attraction(policy.close_factor, policy.straight_below, world, agent)
-        forward, left = 1.0, 0.0
-        if side != 0.0:
-            forward, left = math.cos(steering_max), side * math.sin(steering_max)
+        forward, left = (cosine, side * sine) if side != 0.0 else (1.0, 0.0)
     weight = jackknife_weights(policy, world, agent)
     forward += weight * articulation_cosine(world, agent, 1)
     left += weight * articulation_sine(world, agent, 1)
@@ -83,7 +93,7 @@ def avoid_jack(policy, memory, world, agent):
         policy.dt,
         unit_length(world, agent, 0),
         unit_length(world, agent, 1),
-        steering_max,
+        sine / cosine,
         articulation_max,
         policy.beta,
     )
@@ -109,16 +119,17 @@ def jackknife_weight(policy, cosine):
 
 
 @kernel
-def safe_speed(dt, truck, trailer, steering_max, articulation_max, beta):
+def safe_speed(dt, truck, trailer, steering_tangent, articulation_max, beta):
     """Return v_max [m/s], eq. (vmax): the articulation of the first trailer cannot pass its limit
     within one step from the threshold beta on.
 
     Args:
         dt: duration of a step [s].
         truck, trailer: l^0 and l^1 [m].
-        steering_max, articulation_max, beta: phi^max, delta^max and the threshold [rad].
+        steering_tangent: tan(phi^max).
+        articulation_max, beta: delta^max and the threshold [rad].
     """
-    rate = abs(math.sin(beta) / trailer + math.tan(steering_max) / truck)
+    rate = abs(math.sin(beta) / trailer + steering_tangent / truck)
     return (articulation_max - beta) / (dt * rate)
 
 

@@ -5,7 +5,7 @@ import functools
 import numpy as np
 
 from hav_env import Batch
-from hav_env.compiled import entry, generic, world_kernel
+from hav_env.compiled import canonical, entry, generic, world_kernel
 from hav_env.world import world_at
 
 
@@ -53,13 +53,19 @@ def check_policy(policy) -> None:
 
     Raises:
         TypeError: when its type has no kernel.
-        ValueError: when a parameter is not a finite number.
+        ValueError: when a parameter is not a finite number, or not allowed by its policy.
     """
     if type(policy) not in act.table:
         raise TypeError(f"{policy!r} is not a policy: register its type with act")
     for field, value in policy._asdict().items():
         if not np.isfinite(value).all():
             raise ValueError(f"policy {field} is {value}, but must be finite")
+    check_parameters(policy)
+
+
+@functools.singledispatch
+def check_parameters(policy) -> None:
+    """Check the parameters of one kind of policy beyond being finite; raises ValueError."""
 
 
 def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.ndarray]:
@@ -73,5 +79,5 @@ def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.nda
         batch: what is sensed; pass the result to ``batch.step``.
     """
     speed, steering = np.zeros((2, *batch.worlds.state.x.shape))
-    act_worlds(batch.num_worlds, policy, memory, batch.worlds, speed, steering)
+    act_worlds(batch.num_worlds, canonical(policy), memory, batch.worlds, speed, steering)
     return speed, steering

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from baselines.policy import act
+from baselines.policy import act, check_parameters
 from hav_env.randomness import uniform
 from hav_env.sensing import episode_key, limits
 
@@ -12,6 +12,12 @@ class Random(NamedTuple):
 
     hold: int = 1
     """For how many steps an action is held."""
+
+
+@check_parameters.register
+def _(policy: Random) -> None:
+    if policy.hold < 1:
+        raise ValueError(f"policy hold is {policy.hold}, but must be at least 1")
 
 
 @act.register(Random)

@@ -6,7 +6,7 @@ import pyarrow as pa
 from baselines.metrics import tabulate
 from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
-from hav_env.compiled import entry
+from hav_env.compiled import canonical, entry
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
 from hav_env.world import world_at
@@ -51,16 +51,17 @@ def rollout(
         PlacementError: when a scenario has no room for its HAVs.
     """
     check_policy(policy)
+    policy = canonical(policy)
     batch = Batch(scenario, len(episodes), task, vehicle)
-    batch.reset(seed, np.ascontiguousarray(episodes, np.int64))
+    batch.reset(seed, episodes)
     state = batch.worlds.state
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
     num_havs, num_worlds = state.x.shape
     rollout_worlds(
         num_worlds,
         policy,
-        task,
-        vehicle,
+        batch.task,
+        batch.vehicle,
         batch.worlds,
         allocate_memory(policy, num_havs, num_worlds),
         *np.zeros((2, num_havs, num_worlds)),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hav_env.compiled import entry
+from hav_env.compiled import canonical, entry
 from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.task import Task, check_task
@@ -50,8 +50,9 @@ class Batch:
             raise ValueError(f"num_worlds is {num_worlds}, but must be at least 1")
         check_scenario(scenario)
         check_task(task)
-        self.scenario, self.task, self.vehicle = scenario, task, vehicle
+        self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
         self.num_worlds = num_worlds
+        self._begun = False
         self.worlds: World = allocate_worlds(
             num_worlds, scenario.num_havs, scenario.max_trailers + 1, scenario.num_goals
         )
@@ -64,15 +65,23 @@ class Batch:
             episodes: (W,) numbers of the episodes; by default 0 .. W - 1.
 
         Raises:
-            ValueError: when the seed is out of range.
+            ValueError: when the seed or an episode is out of range, or not one for each world.
             PlacementError: when a world has no room for its HAVs.
         """
         check_seed(seed)
         if episodes is None:
             episodes = np.arange(self.num_worlds)
+        episodes = np.ascontiguousarray(episodes, np.int64)
+        if episodes.shape != (self.num_worlds,):
+            raise ValueError(
+                f"episodes has shape {episodes.shape}, not (W,) = ({self.num_worlds},)"
+            )
+        if episodes.min() < 0 or episodes.max() >= SEED_LIMIT:
+            raise ValueError(f"episodes must be from 0 to {SEED_LIMIT - 1}")
         placed = np.zeros(self.num_worlds, np.bool_)
         begin_worlds(self.num_worlds, self.scenario, self.task, self.worlds, seed, episodes, placed)
         check_placed(placed, self.scenario)
+        self._begun = True
 
     def step(self, speed: np.ndarray, steering: np.ndarray) -> None:
         """Advance every world by one step.
@@ -83,7 +92,10 @@ class Batch:
 
         Raises:
             ValueError: when a shape is wrong or a number is not finite.
+            RuntimeError: before the first ``reset``.
         """
+        if not self._begun:
+            raise RuntimeError("call reset before step: the worlds are empty")
         shape = self.worlds.state.x.shape
         arrays = []
         for name, values in (("speed", speed), ("steering", steering)):

@@ -111,6 +111,13 @@ def entry(function: Callable) -> Callable:
     return call
 
 
+def canonical(model: Any) -> Any:
+    """Return a model whose ``float`` fields are floats: an int is another type, compiled anew."""
+    kinds = type(model).__annotations__
+    whole = {f: float(v) for f, v in model._asdict().items() if kinds[f] is float}
+    return model._replace(**whole)
+
+
 def default_threads() -> int:
     """Return how many threads an entry uses: ``HAV_THREADS``, or the cores this process may use.
 

@@ -46,9 +46,9 @@ def _outer_tangent(across_x, across_y, heading):
 def _inner_tangent(across_x, across_y, heading):
     """A left turn, a straight that changes sides, a right turn."""
     squared = across_x * across_x + across_y * across_y - 4.0
-    if squared < 0.0:
+    if squared < -_ROUNDING:
         return INFEASIBLE, 0.0, 0.0
-    straight = math.sqrt(squared)
+    straight = math.sqrt(max(squared, 0.0))  # circles that touch: no straight between them
     first = _turn_angle(
         math.atan2(
             across_y * straight + 2.0 * across_x,
@@ -59,13 +59,17 @@ def _inner_tangent(across_x, across_y, heading):
 
 
 @kernel
-def _third_circle(across_x, across_y, heading):
-    """A left turn, a right turn of more than half a circle, a left turn."""
-    squared = across_x * across_x + across_y * across_y
+def _third_circle(towards, across, heading):
+    """A left turn, a right turn of more than half a circle, a left turn.
+
+    The centres of the start's and the goal's left circle are those of the word LSL: ``across``
+    from each other [radii], ``towards`` the direction from one to the other.
+    """
+    squared = across * across
     if squared > 16.0:
         return INFEASIBLE, 0.0, 0.0
-    middle = TWO_PI - 2.0 * math.atan2(math.sqrt(squared), math.sqrt(16.0 - squared))
-    first = _turn_angle(math.atan2(across_y, across_x) + 0.5 * middle)
+    middle = TWO_PI - 2.0 * math.atan2(across, math.sqrt(16.0 - squared))
+    first = _turn_angle(towards + 0.5 * middle)
     return first, middle, _turn_angle(heading - first + middle)
 
 
@@ -79,11 +83,12 @@ def word_segments(word, forward, left, heading, radius):
     side = 1.0 if word in (LSL, LSR, LRL) else -1.0
     x, y, heading = forward / radius, side * left / radius, side * wrap(heading)
     sine, cosine = math.sin(heading), math.cos(heading)
-    if word in (LSL, RSR):
-        return _outer_tangent(x - sine, y + cosine - 1.0, heading)
     if word in (LSR, RSL):
         return _inner_tangent(x + sine, y - cosine - 1.0, heading)
-    return _third_circle(x - sine, y + cosine - 1.0, heading)
+    first, straight, last = _outer_tangent(x - sine, y + cosine - 1.0, heading)
+    if word in (RLR, LRL):
+        return _third_circle(first, straight, heading)
+    return first, straight, last
 
 
 @kernel
@@ -109,10 +114,11 @@ def shortest_path(forward, left, heading, radius):
 def shortest_path_towards(forward, left, heading, cosine, sine, radius):
     """Return ``shortest_path`` to a heading in [-pi, pi) whose cosine and sine are known."""
     x, y = forward / radius, left / radius
-    word = LSL
-    first, second, third = _outer_tangent(x - sine, y + cosine - 1.0, heading)
+    left_first, left_across, left_last = _outer_tangent(x - sine, y + cosine - 1.0, heading)
+    right_first, right_across, right_last = _outer_tangent(x + sine, cosine - y - 1.0, -heading)
+    word, first, second, third = LSL, left_first, left_across, left_last
     shortest = first + second + third
-    a, b, c = _outer_tangent(x + sine, cosine - y - 1.0, -heading)
+    a, b, c = right_first, right_across, right_last
     if a + b + c < shortest:
         word, first, second, third, shortest = RSR, a, b, c, a + b + c
     a, b, c = _inner_tangent(x + sine, y - cosine - 1.0, heading)
@@ -121,10 +127,10 @@ def shortest_path_towards(forward, left, heading, cosine, sine, radius):
     a, b, c = _inner_tangent(x - sine, -y - cosine - 1.0, -heading)
     if a + b + c < shortest:
         word, first, second, third, shortest = RSL, a, b, c, a + b + c
-    a, b, c = _third_circle(x + sine, cosine - y - 1.0, -heading)
+    a, b, c = _third_circle(right_first, right_across, -heading)
     if a + b + c < shortest:
         word, first, second, third, shortest = RLR, a, b, c, a + b + c
-    a, b, c = _third_circle(x - sine, y + cosine - 1.0, heading)
+    a, b, c = _third_circle(left_first, left_across, heading)
     if a + b + c < shortest:
         word, first, second, third = LRL, a, b, c
     return word, first * radius, second * radius, third * radius

@@ -122,7 +122,7 @@ def record_assignment(world, agent):
     turn = world.goals[agent, phase, 2] - state.heading[agent, 0]
     radius = world.fleet.radius[agent, STABLE]
     world.record.goal[agent, phase, DUBINS] = path_length(forward, left, turn, radius)
-    world.record.goal[agent, phase, CLOSEST] = math.inf
+    world.record.goal[agent, phase, CLOSEST], _ = goal_difference(world, agent)
 
 
 @world_kernel

@@ -60,7 +60,8 @@ def _fill_buckets(task, world):
     longest = 0.0
     for agent in range(num_havs):
         longest = max(longest, reach(world.fleet, agent))
-    size = 2.0 * longest + task.sensing_range
+    # a little larger, for two HAVs just one cell apart may be rounded into cells two apart
+    size = (2.0 * longest + task.sensing_range) * (1.0 + 1e-9)
     for bucket in range(grid.shape[1]):
         grid[BUCKET, bucket] = -1
     for agent in range(num_havs):

@@ -16,6 +16,8 @@ from hav_env.world import (
     SPEED,
     STABLE,
     STEERING,
+    STEERING_COSINE,
+    STEERING_SINE,
     STEP,
     truck_distance,
 )
@@ -44,6 +46,12 @@ def limits(world, agent):
     """Return maximum speed [m/s], steering [rad] and articulation [rad]."""
     limit = world.fleet.limit
     return limit[agent, SPEED], limit[agent, STEERING], limit[agent, ARTICULATION]
+
+
+@world_kernel
+def steering_direction(world, agent):
+    """Return cosine and sine of the maximum steering angle."""
+    return world.fleet.limit[agent, STEERING_COSINE], world.fleet.limit[agent, STEERING_SINE]
 
 
 @world_kernel

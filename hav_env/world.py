@@ -39,11 +39,11 @@ class Fleet(NamedTuple):
     num_trailers: Array  # (N, W)
     length: Array  # (N, U, W) wheelbase l^0 and trailer lengths l^j [m], 1 beyond the last
     radius: Array  # (N, 2, W) columns FOOTPRINT, STABLE [m]
-    limit: Array  # (N, 3, W) columns SPEED [m/s], STEERING, ARTICULATION [rad]
+    limit: Array  # (N, 5, W) columns SPEED [m/s], STEERING, ARTICULATION [rad], STEERING_COSINE ..
 
 
 FOOTPRINT, STABLE = range(2)  # d_i, the sum of the trailers' lengths; R_min, eq. (rmin)
-SPEED, STEERING, ARTICULATION = range(3)
+SPEED, STEERING, ARTICULATION, STEERING_COSINE, STEERING_SINE = range(5)
 
 
 class Nearby(NamedTuple):
@@ -105,7 +105,7 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
     waiting = np.zeros((n, w), np.bool_)
     return World(
         State(real(n), real(n), real(n, u), real(n, u), real(n, u), waiting, whole(4)),
-        Fleet(whole(n), real(n, u), real(n, 2), real(n, 3)),
+        Fleet(whole(n), real(n, u), real(n, 2), real(n, 5)),
         real(n, g, 3),
         Nearby(whole(n), whole(n, n - 1), whole(4, buckets)),
         Record(whole(n, 3, 2), real(n, 3), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
@@ -176,6 +176,16 @@ def derive_radii(fleet, agent, truck_share):
         squares += length * length
     fleet.radius[agent, FOOTPRINT] = footprint
     fleet.radius[agent, STABLE] = math.sqrt(squares)
+
+
+@kernel
+def set_limits(fleet, agent, speed, steering, articulation):
+    """Set the limits of a HAV [m/s, rad, rad]."""
+    fleet.limit[agent, SPEED] = speed
+    fleet.limit[agent, STEERING] = steering
+    fleet.limit[agent, ARTICULATION] = articulation
+    fleet.limit[agent, STEERING_COSINE] = math.cos(steering)
+    fleet.limit[agent, STEERING_SINE] = math.sin(steering)
 
 
 @world_kernel

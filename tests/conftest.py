@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import settings
 
 from hav_env import Batch, RandomPoses, Task
-from hav_env.world import ARTICULATION, FOOTPRINT, SPEED, STABLE, STEERING, world_at
+from hav_env.world import FOOTPRINT, STABLE, world_at
 
 COMPILED = not numba.config.DISABLE_JIT  # coverage is measured without compilation
 
@@ -69,9 +69,8 @@ def put(worlds, lengths, x=0.0, y=0.0, headings=0.0, *, w=0, agent=0):
 
 def limit(worlds, *, speed=1.0, steering=math.radians(50), articulation=math.pi / 2):
     """Give every HAV of every world the same limits."""
-    worlds.fleet.limit[:, SPEED] = speed
-    worlds.fleet.limit[:, STEERING] = steering
-    worlds.fleet.limit[:, ARTICULATION] = articulation
+    columns = [speed, steering, articulation, math.cos(steering), math.sin(steering)]
+    worlds.fleet.limit[:] = np.array(columns)[:, None]
 
 
 def stand(batch, steps: int = 1) -> None:

@@ -60,16 +60,16 @@ def test_the_jackknife_weight_is_even_bounded_and_the_hyperbolic_tangent(articul
 
 def test_the_safe_speed_is_that_of_the_equation():
     # 15 degrees = 0.2618 rad in 0.2 s, at sin 75 / 4 + tan 45 / 2 = 0.7415 rad/m
-    assert safe_speed(0.2, 2.0, 4.0, 45 * DEGREE, 90 * DEGREE, 75 * DEGREE) == pytest.approx(
-        (math.pi / 12) / (0.2 * (0.9659258262890683 / 4 + 0.5))
-    )
+    assert safe_speed(
+        0.2, 2.0, 4.0, math.tan(45 * DEGREE), 90 * DEGREE, 75 * DEGREE
+    ) == pytest.approx((math.pi / 12) / (0.2 * (0.9659258262890683 / 4 + 0.5)))
 
 
 def test_the_fleets_of_the_paper_may_always_drive_a_metre_a_second():
     lengths = np.r_[np.linspace(2.0, 12.0, 21)[:-1], np.nextafter(12, 0)]
     for truck in lengths:
         for trailer in lengths:
-            speed = safe_speed(0.2, truck, trailer, 50 * DEGREE, 90 * DEGREE, 75 * DEGREE)
+            speed = safe_speed(0.2, truck, trailer, math.tan(50 * DEGREE), 90 * DEGREE, 75 * DEGREE)
             assert speed >= 1.0
 
 
@@ -77,7 +77,7 @@ def test_the_fleets_of_the_paper_may_always_drive_a_metre_a_second():
 @pytest.mark.parametrize("trailer", [2.0, 11.0])
 def test_at_the_safe_speed_one_step_from_the_threshold_reaches_the_limit(truck, trailer):
     beta, most, steering = 75 * DEGREE, 90 * DEGREE, 50 * DEGREE
-    speed = safe_speed(0.2, truck, trailer, steering, most, beta)
+    speed = safe_speed(0.2, truck, trailer, math.tan(steering), most, beta)
     rate = -speed / trailer * math.sin(-beta) + speed / truck * math.tan(steering)  # (delta_dot)
     assert beta + 0.2 * rate == pytest.approx(most)
 
@@ -172,7 +172,7 @@ def test_steering_is_cut_to_its_limit_on_both_sides():
 
 @pytest.mark.parametrize("fast", [0.7, 1.0, 50.0])
 def test_speed_is_the_lesser_of_the_limit_and_the_safe_speed(fast):
-    safe = safe_speed(0.2, 3.0, 4.0, 50 * DEGREE, 90 * DEGREE, 75 * DEGREE)
+    safe = safe_speed(0.2, 3.0, 4.0, math.tan(50 * DEGREE), 90 * DEGREE, 75 * DEGREE)
     assert 1.0 < safe < 50.0
     assert choice(scene(HAV, speed=fast))[0] == pytest.approx(min(fast, safe))
 

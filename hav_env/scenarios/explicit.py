@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.world import ARTICULATION, SPEED, STEERING, derive_radii, put_straight
+from hav_env.world import derive_radii, put_straight, set_limits
 
 
 class Explicit(NamedTuple):
@@ -46,7 +46,7 @@ def explicit(
     Raises:
         ValueError: naming the HAV and what is wrong with it.
     """
-    if not lengths:
+    if len(lengths) == 0:
         raise ValueError("a scenario needs at least one HAV")
     if not len(lengths) == len(start) == len(goals):
         raise ValueError(
@@ -55,7 +55,7 @@ def explicit(
     for agent, (units, pose, own_goals) in enumerate(zip(lengths, start, goals, strict=True)):
         if len(units) < 2:
             raise ValueError(f"HAV {agent} needs the lengths of a truck and at least one trailer")
-        if not own_goals or len(own_goals) != len(goals[0]):
+        if len(own_goals) == 0 or len(own_goals) != len(goals[0]):
             raise ValueError(
                 f"HAV {agent} has {len(own_goals)} goals; all need the same number, at least 1"
             )
@@ -153,9 +153,9 @@ def populate_explicit(scenario, world):
         fleet.num_trailers[agent] = scenario.num_trailers[agent]
         for unit in range(scenario.length.shape[1]):
             fleet.length[agent, unit] = scenario.length[agent, unit]
-        fleet.limit[agent, SPEED] = scenario.speed_max
-        fleet.limit[agent, STEERING] = scenario.steering_max
-        fleet.limit[agent, ARTICULATION] = scenario.articulation_max
+        set_limits(
+            fleet, agent, scenario.speed_max, scenario.steering_max, scenario.articulation_max
+        )
         derive_radii(fleet, agent, 0.0)
         x, y, heading = scenario.start[agent]
         put_straight(world.state, agent, x, y, heading)

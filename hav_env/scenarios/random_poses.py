@@ -6,16 +6,7 @@ from typing import NamedTuple
 from hav_env.collision import collision_distance
 from hav_env.compiled import kernel
 from hav_env.randomness import normal, uniform
-from hav_env.world import (
-    ARTICULATION,
-    EPISODE,
-    FOOTPRINT,
-    SEED,
-    SPEED,
-    STEERING,
-    derive_radii,
-    put_straight,
-)
+from hav_env.world import EPISODE, FOOTPRINT, SEED, derive_radii, put_straight, set_limits
 
 _STREAM = 0  # of the episode's random numbers; policies use others
 _MOST_DRAWS = 10_000  # of one length or count, before the limits are held to be unreachable
@@ -102,9 +93,9 @@ def _draw_fleet(scenario, fleet, key, draw):
             span = scenario.max_length - scenario.min_length
             fleet.length[agent, unit] = scenario.min_length + span * uniform(*key, draw)
             draw += 1
-        fleet.limit[agent, SPEED] = scenario.speed_max
-        fleet.limit[agent, STEERING] = scenario.steering_max
-        fleet.limit[agent, ARTICULATION] = scenario.articulation_max
+        set_limits(
+            fleet, agent, scenario.speed_max, scenario.steering_max, scenario.articulation_max
+        )
         derive_radii(fleet, agent, scenario.footprint_truck_share)
     return draw
 
