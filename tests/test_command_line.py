@@ -88,8 +88,8 @@ def test_an_interrupted_run_resumes_and_ends_with_the_same_bytes(tmp_path, monke
 
 def test_a_killed_command_leaves_whole_files_only_and_resumes(tmp_path):
     command = [
-        sys.executable, "-m", "baselines", "evaluate", "random", "--episodes", "20000",
-        "--output", str(tmp_path), "--task.max-steps", "2000",
+        sys.executable, "-m", "baselines", "evaluate", "random", "--episodes", "2000000",
+        "--output", str(tmp_path), "--task.max-steps", "100",
     ]  # fmt: skip
     process = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
     parts = tmp_path / "random.parts"
