@@ -9,8 +9,8 @@ import dataclasses
 import io
 import pathlib
 import re
-import shutil
 import sys
+import tempfile
 from typing import Annotated, Any
 
 import tyro
@@ -19,13 +19,12 @@ from rich.table import Table
 
 from baselines.calibrate import calibrate
 from baselines.evaluate import compare, markdown, read_columns
-from baselines.policy import check_policy
+from baselines.files import write_text
 from baselines.progress import Progress
 from baselines.registry import POLICIES, find_policy, find_scenario
 from baselines.reproduce import PAPER_EXPERIMENTS, reproduce
-from baselines.results import Experiments, discard, run_experiments, write_text
-from hav_env import Task
-from hav_env.scenarios import check_scenario
+from baselines.results import Experiments, run_experiments
+from hav_env import OnAxle, RandomPoses, Task
 
 _COMMANDS = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
@@ -38,8 +37,9 @@ _COMMANDS = {
 class _Run:
     """Where the results go and how they are made."""
 
-    output: pathlib.Path = pathlib.Path("results")
-    """Folder of the results; an interrupted run goes on where it stopped."""
+    output: pathlib.Path | None = None
+    """Folder of the results, in which an interrupted run goes on where it stopped. Without one,
+    ``evaluate`` keeps nothing."""
     seed: int = 0
     """Of all experiments, from 0 to 2**32 - 1."""
     threads: int | None = None
@@ -53,7 +53,7 @@ def main(arguments: list[str] | None = None) -> int:
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
         return _dispatch(arguments)
-    except (ValueError, TypeError, OSError, ImportError) as error:
+    except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
         message = " ".join(str(error).split())
         print(f"error: {message}", file=sys.stderr)
         return 2
@@ -88,14 +88,18 @@ def _reproduce(arguments: list[str]) -> None:
         [
             ("policy", find_policy(name)),
             ("experiments", int, PAPER_EXPERIMENTS, "Experiments of each scenario."),
+            ("vehicle", OnAxle),
         ],
         output=pathlib.Path("results/reproduce"),
     )
-    check_policy(options.policy)
-    if options.overwrite:
-        discard(options.output, ("single", "pair"))
     rows = reproduce(
-        options.policy, options.experiments, options.seed, options.output, options.threads
+        options.policy,
+        options.experiments,
+        options.seed,
+        options.output,
+        options.threads,
+        options.overwrite,
+        options.vehicle,
     )
     _show(rows, f"{name} beside the paper")
     print(f"report, tables and figures: {options.output}/report.md")
@@ -108,31 +112,39 @@ def _evaluate(arguments: list[str]) -> None:
     scenario_name, arguments = _take(arguments, "--scenario", "paper-single")
     scenario = find_scenario(scenario_name)
     classes = [find_policy(name) for name in names]
-    fields: list[tuple] = [("episodes", int, 1_000, "Episodes 0 .. of the seed."), ("task", Task)]
+    drawn = isinstance(scenario, RandomPoses)  # otherwise all episodes of a policy are the same
+    fields: list[tuple] = [
+        ("episodes", int, 1_000 if drawn else 1, "Episodes 0 .. of the seed."),
+        ("task", Task),
+        ("vehicle", OnAxle),
+    ]
     if len(classes) == 1:
         fields.append(("policy", classes[0]))
-    if not isinstance(scenario.num_havs, int) or hasattr(scenario, "area_factor"):
-        fields.append(("scenario", Annotated[type(scenario), tyro.conf.OmitArgPrefixes], scenario))
-    options = _parse("evaluate", arguments, fields, output=pathlib.Path("results/evaluate"))
+    if drawn:
+        fields.append(("scenario", Annotated[RandomPoses, tyro.conf.OmitArgPrefixes], scenario))
+    options = _parse("evaluate", arguments, fields, output=None)
     scenario = getattr(options, "scenario", scenario)
-    check_scenario(scenario)
     policies = [options.policy] if len(classes) == 1 else [policy() for policy in classes]
-    for policy in policies:
-        check_policy(policy)
-    labels = [re.sub(r"\W+", "-", name) for name in names]
-    if options.overwrite:
-        discard(options.output, labels)
-    paths = []
-    with Progress(options.episodes * len(policies)) as progress:
-        for label, policy in zip(labels, policies, strict=True):
-            task = Experiments(policy, scenario, options.episodes, options.seed, options.task)
-            paths.append(
-                run_experiments(task, options.output, label, options.threads, progress.advance)
+    with contextlib.ExitStack() as stack:
+        kept = options.output is not None
+        output = options.output or pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        progress = stack.enter_context(Progress(options.episodes * len(policies)))
+        paths = []
+        for name, policy in zip(names, policies, strict=True):
+            job = Experiments(
+                policy, scenario, options.episodes, options.seed, options.task, options.vehicle
             )
-    rows = compare(list(names), [read_columns(path) for path in paths])
-    write_text(markdown(rows), options.output / "table.md")
+            label = re.sub(r"\W+", "-", name)
+            paths.append(
+                run_experiments(
+                    job, output, label, options.threads, options.overwrite, progress.advance
+                )
+            )
+        rows = compare(list(names), [read_columns(path) for path in paths])
+        write_text(markdown(rows), output / "table.md")
     _show(rows, f"{options.episodes} episodes of {scenario_name}, seed {options.seed}")
-    print(f"tables: {', '.join(map(str, paths))}")
+    if kept:
+        print(f"tables: {', '.join(map(str, paths))}")
 
 
 def _calibrate(arguments: list[str]) -> None:
@@ -142,9 +154,9 @@ def _calibrate(arguments: list[str]) -> None:
         [("experiments", int, 1_000, "Experiments of each scenario and choice.")],
         output=pathlib.Path("results/calibrate"),
     )
-    if options.overwrite:
-        shutil.rmtree(options.output / "choices", ignore_errors=True)
-    rows = calibrate(options.experiments, options.seed, options.output, options.threads)
+    rows = calibrate(
+        options.experiments, options.seed, options.output, options.threads, options.overwrite
+    )
     _show(rows, f"{options.experiments} experiments of each scenario and choice")
     print(f"table: {options.output}/calibration.parquet")
 
@@ -169,7 +181,9 @@ def _take_words(arguments: list[str]) -> tuple[list[str], list[str]]:
     return arguments[:count], arguments[count:]
 
 
-def _parse(command: str, arguments: list[str], fields: list[tuple], output: pathlib.Path) -> Any:
+def _parse(
+    command: str, arguments: list[str], fields: list[tuple], output: pathlib.Path | None
+) -> Any:
     """Let tyro build the options of a command; what is wrong becomes one line.
 
     Fields are (name, type), (name, type, default) or (name, type, default, help).
@@ -209,7 +223,8 @@ def _one_line(text: str) -> str:
         elif not words and line.strip():
             sections.append([])
     told = [" ".join(section) for section in sections if section]
-    return told[0 if text.lstrip().startswith("╭") else 1]
+    told = told[0 if text.lstrip().startswith("╭") else 1 :]
+    return told[0] if told else "cannot read the options"
 
 
 def _show(rows: list[list[str]], title: str) -> None:

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from baselines.policy import act, check_parameters, memory_size
+from baselines.policy import act, check_parameters, memory_size, require_at_least
 from baselines.pursuit import goal_attraction
 from hav_env.compiled import kernel, world_kernel
 from hav_env.geometry import clip
@@ -36,10 +36,10 @@ class AvoidJack(NamedTuple):
     """Articulation threshold [rad] of eq. (vmax), which bounds the speed; the paper's fleets may
     always drive their 1 m/s."""
     dt: float = 0.2
-    """Reaction time [s] of eq. (vmax), the duration of a step."""
+    """Reaction time [s] of eq. (vmax): the duration of a step, ``Task.dt``."""
     close_factor: float = 3.5
     """"Close to goal" means within this many truck lengths. The paper leaves it open; 3.5 fits its
-    goals, jackknifes and kinds of close misses (docs/reproduction.md)."""
+    goals and jackknifes of single HAVs (docs/reproduction.md)."""
     straight_below: float = 1e-3
     """A turn at the start of the Dubins path shorter than this counts as none [m]. The paper
     says nothing of it; rounding makes some threshold necessary."""
@@ -48,7 +48,8 @@ class AvoidJack(NamedTuple):
     this share of both trucks' lengths. The paper names d_ih alone."""
     evasion_release: float = 1.0
     """Evasion ends when the distance exceeds this many times the distance at which it starts. The
-    paper leaves the end open; 1 is the least that its text needs."""
+    paper leaves the end open; 1 is the least that its text needs. A HAV out of sensing range is
+    no longer evaded: a larger factor may need a larger ``Task.sensing_range``."""
     keep_first: bool = True
     """Of several HAVs that are too near, evade the one detected first until it is left behind;
     otherwise the one whose circle is entered deepest. The paper gives priority to "the first
@@ -59,13 +60,14 @@ _TINY = 1e-12  # m, keeps the direction away from a HAV at the same place finite
 
 
 @check_parameters.register
-def _(policy: AvoidJack) -> None:
-    if not 0 < policy.beta < math.pi:
-        raise ValueError(f"policy beta is {policy.beta}, but must be in (0, pi) rad")
+def _(policy: AvoidJack, scenario) -> None:
+    limit = scenario.articulation_max
+    if not 0 < policy.beta < limit:  # eq. (vmax) would allow no speed
+        raise ValueError(f"policy beta is {policy.beta}, but must be above 0 and below {limit:.6g}")
     if not policy.dt > 0:
         raise ValueError(f"policy dt is {policy.dt}, but must be above 0 s")
-    if policy.evasion_release < 1:
-        raise ValueError(f"policy evasion_release is {policy.evasion_release}, but must be >= 1")
+    require_at_least(policy, 0.0, ("close_factor", "straight_below", "evasion_truck_share"))
+    require_at_least(policy, 1.0, ("evasion_release",))
 
 
 @memory_size.register

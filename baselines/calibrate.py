@@ -69,6 +69,7 @@ def calibrate(
     seed: int = 0,
     output: pathlib.Path = pathlib.Path("results/calibrate"),
     threads: int | None = None,
+    overwrite: bool = False,
 ) -> list[list[str]]:
     """Measure the paper's eight figures for every choice.
 
@@ -80,6 +81,11 @@ def calibrate(
         seed: of all of them: the choices are compared on the same episodes where they can be.
         output: the folder.
         threads: how many.
+        overwrite: discard what an earlier run left in the folder.
+
+    Raises:
+        ValueError: when a parameter is not allowed, or the folder holds another run.
+        OSError: when the folder cannot be written.
 
     Returns:
         The table as rows of text, the paper's figures first.
@@ -99,7 +105,7 @@ def calibrate(
                     vehicle=choice.vehicle,
                 )
                 name = f"{number:02d}-{scenario}"
-                path = run_experiments(task, folder, name, threads, progress.advance)
+                path = run_experiments(task, folder, name, threads, overwrite, progress.advance)
                 row |= _measure(path, scenario)
             rows.append(row)
     write_table(pa.Table.from_pylist(rows), output / "calibration.parquet")

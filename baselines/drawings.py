@@ -1,12 +1,12 @@
 """Drawings of the plane, to scale, and the sheet that all figures are drawn on and saved from."""
 
-import contextlib
 import os
 import pathlib
 from typing import Any
 
 import numpy as np
 
+from baselines.files import whole_file
 from baselines.trajectories import Excerpt, Trajectory, chain_points
 from hav_env import Task
 
@@ -67,14 +67,11 @@ def save_figure(figure: Figure, folder: str | os.PathLike, name: str) -> list[st
     names = []
     for kind, option in options.items():
         names.append(f"{name}.{kind}")
-        unfinished = folder / f".{name}.{os.getpid()}.{kind}"
-        try:
-            with mpl.rc_context({"svg.hashsalt": "hav_env"}):
-                figure.savefig(unfinished, format=kind, **option)
-            os.replace(unfinished, folder / names[-1])
-        finally:
-            with contextlib.suppress(FileNotFoundError):
-                unfinished.unlink()
+        with (
+            whole_file(folder / names[-1]) as unfinished,
+            mpl.rc_context({"svg.hashsalt": "hav_env"}),
+        ):
+            figure.savefig(unfinished, format=kind, **option)
     return names
 
 

@@ -37,6 +37,14 @@ def act_worlds(first, last, policy, memory, worlds, speed, steering):
         act_all(policy, memory[:, :, w], world_at(worlds, w), speed[:, w], steering[:, w])
 
 
+def require_at_least(policy, least: float, fields: tuple[str, ...]) -> None:
+    """Raise ValueError unless the fields of a policy are at least ``least``."""
+    for field in fields:
+        if getattr(policy, field) < least:
+            value = getattr(policy, field)
+            raise ValueError(f"policy {field} is {value}, but must be at least {least:g}")
+
+
 @functools.singledispatch
 def memory_size(policy) -> int:
     """Return K, how many numbers a HAV under this policy keeps between steps."""
@@ -48,8 +56,8 @@ def allocate_memory(policy, num_havs: int, num_worlds: int) -> np.ndarray:
     return np.zeros((num_havs, memory_size(policy), num_worlds))
 
 
-def check_policy(policy) -> None:
-    """Check a policy before it is used.
+def check_policy(policy, scenario) -> None:
+    """Check a policy before it is used in a scenario.
 
     Raises:
         TypeError: when its type has no kernel.
@@ -60,12 +68,15 @@ def check_policy(policy) -> None:
     for field, value in policy._asdict().items():
         if not np.isfinite(value).all():
             raise ValueError(f"policy {field} is {value}, but must be finite")
-    check_parameters(policy)
+    check_parameters(policy, scenario)
 
 
 @functools.singledispatch
-def check_parameters(policy) -> None:
-    """Check the parameters of one kind of policy beyond being finite; raises ValueError."""
+def check_parameters(policy, scenario) -> None:
+    """Check what one kind of policy demands of its parameters and the scenario's limits.
+
+    Registered by policies that demand more than finite numbers; raises ValueError.
+    """
 
 
 def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.ndarray]:

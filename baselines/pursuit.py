@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from baselines.policy import act
+from baselines.policy import act, check_parameters, require_at_least
 from hav_env.compiled import kernel, world_kernel
 from hav_env.dubins import TURNS, shortest_path_towards
 from hav_env.sensing import goal_pose, limits, stable_radius, unit_length
@@ -16,6 +16,11 @@ class DubinsPursuit(NamedTuple):
     """"Close to goal" means within this many truck lengths; see ``AvoidJack.close_factor``."""
     straight_below: float = 1e-3
     """A first turn shorter than this counts as none [m]; see ``AvoidJack.straight_below``."""
+
+
+@check_parameters.register
+def _(policy: DubinsPursuit, scenario) -> None:
+    require_at_least(policy, 0.0, ("close_factor", "straight_below"))
 
 
 @act.register(DubinsPursuit)

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from baselines.policy import act, check_parameters
+from baselines.policy import act, check_parameters, require_at_least
 from hav_env.randomness import uniform
 from hav_env.sensing import episode_key, limits
 
@@ -15,9 +15,8 @@ class Random(NamedTuple):
 
 
 @check_parameters.register
-def _(policy: Random) -> None:
-    if policy.hold < 1:
-        raise ValueError(f"policy hold is {policy.hold}, but must be at least 1")
+def _(policy: Random, scenario) -> None:
+    require_at_least(policy, 1, ("hold",))
 
 
 @act.register(Random)

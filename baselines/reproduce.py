@@ -8,10 +8,13 @@ import pyarrow.parquet as pq
 
 from baselines.avoid_jack import AvoidJack
 from baselines.evaluate import compare, markdown
+from baselines.files import write_text
+from baselines.fingerprints import fingerprints
 from baselines.progress import Progress
 from baselines.registry import SCENARIOS
-from baselines.results import Experiments, check_at_least_one, run_experiments, write_text
+from baselines.results import Experiments, check_at_least_one, run_experiments
 from baselines.statistics import proportions_agree, wilson
+from hav_env import OnAxle
 
 
 class Published(NamedTuple):
@@ -44,6 +47,8 @@ def reproduce(
     seed: int = 0,
     output: pathlib.Path = pathlib.Path("results/reproduce"),
     threads: int | None = None,
+    overwrite: bool = False,
+    vehicle=OnAxle(),
 ) -> list[list[str]]:
     """Run the paper's experiments with a policy and report them.
 
@@ -56,19 +61,26 @@ def reproduce(
         seed: of all of them; the same seed gives the same files.
         output: the folder.
         threads: how many; by default ``HAV_THREADS`` or all cores.
+        overwrite: discard what an earlier run left in the folder.
+        vehicle: the kinematics.
 
     Returns:
         The table beside the paper's, as rows of text.
+
+    Raises:
+        ValueError: when a parameter is not allowed, or the folder holds another run.
+        OSError: when the folder cannot be written.
     """
     check_at_least_one("experiments", experiments)
     tables = {}
     with Progress(2 * experiments) as progress:
         for name in ("single", "pair"):
-            task = Experiments(policy, SCENARIOS[f"paper-{name}"], experiments, seed)
-            path = run_experiments(task, output, name, threads, progress.advance)
+            scenario = SCENARIOS[f"paper-{name}"]
+            job = Experiments(policy, scenario, experiments, seed, vehicle=vehicle)
+            path = run_experiments(job, output, name, threads, overwrite, progress.advance)
             tables[name] = pq.read_table(path)
     rows = beside_paper(tables["single"], tables["pair"])
-    drawn = _draw(tables, output, policy, seed)
+    drawn = _draw(tables, output, policy, seed, vehicle)
     write_text(_report(policy, experiments, seed, rows, tables, drawn), output / "report.md")
     return rows
 
@@ -94,11 +106,15 @@ def beside_paper(single: pa.Table, pair: pa.Table) -> list[list[str]]:
     return rows
 
 
-def _draw(tables: dict[str, pa.Table], output: pathlib.Path, policy, seed: int) -> list[str]:
+def _draw(
+    tables: dict[str, pa.Table], output: pathlib.Path, policy, seed: int, vehicle
+) -> list[str]:
     from baselines.figures import draw_all  # noqa: PLC0415  # matplotlib is an extra
 
     scenarios = SCENARIOS["paper-single"], SCENARIOS["paper-pair"]
-    return draw_all(tables["single"], tables["pair"], output, policy, *scenarios, seed)
+    return draw_all(
+        tables["single"], tables["pair"], output, policy, *scenarios, seed, vehicle=vehicle
+    )
 
 
 def _report(
@@ -120,6 +136,10 @@ def _report(
     ]
     for scenario, table in tables.items():
         parts += [f"## {scenario}\n", markdown(compare([name], [table]))]
+    parts += [
+        "## What else the paper says\n",
+        markdown(fingerprints(tables["single"], tables["pair"])),
+    ]
     parts += ["## Figures\n", *(f"![{file}]({file})\n" for file in drawn if file.endswith("png"))]
     parts.append("The columns of the tables are described in docs/metrics.md.\n")
     return "\n".join(parts)

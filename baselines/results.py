@@ -1,10 +1,9 @@
 """Experiments on disk: written as they go, resumed, and never half a file."""
 
 import json
-import os
 import pathlib
 import shutil
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,13 +11,17 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 import hav_env
+from baselines.files import whole_file, write_text
+from baselines.policy import act, check_policy
 from baselines.rollout import rollout
 from hav_env import Task
 from hav_env.batch import check_seed
-from hav_env.compiled import source_digest
-from hav_env.vehicles import OnAxle
+from hav_env.compiled import source_digest, source_of
+from hav_env.scenarios import check_scenario
+from hav_env.task import check_task
+from hav_env.vehicles import OnAxle, check_vehicle
 
-PART = 500  # episodes in one part: a few seconds of work, and what memory holds at a time
+PART = 500  # HAVs' episodes in one part: seconds of work, and what memory holds at a time
 
 
 class Experiments(NamedTuple):
@@ -37,6 +40,7 @@ def run_experiments(
     folder: pathlib.Path,
     name: str,
     threads: int | None = None,
+    overwrite: bool = False,
     advance: Callable[[int, int], None] = lambda episodes, steps: None,
 ) -> pathlib.Path:
     """Run experiments and keep their table as ``name.parquet`` in a folder.
@@ -49,6 +53,7 @@ def run_experiments(
         folder: made if it does not exist.
         name: of the table.
         threads: how many.
+        overwrite: discard what an earlier run left under this name.
         advance: called after every part with its numbers of episodes and of moving HAV-steps.
 
     Returns:
@@ -60,15 +65,23 @@ def run_experiments(
     """
     check_at_least_one("episodes", experiments.num_episodes)
     check_seed(experiments.seed)
+    check_scenario(experiments.scenario)
+    check_task(experiments.task)
+    check_vehicle(experiments.vehicle)
+    check_policy(experiments.policy, experiments.scenario)
     if threads is not None:
         check_at_least_one("threads", threads)
     parts = folder / f"{name}.parts"
     target = folder / f"{name}.parquet"
-    parts.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    if overwrite:
+        _discard(folder, name)
     _claim(folder / f"{name}.json", describe(experiments))
+    parts.mkdir(exist_ok=True)
+    step = max(1, PART // experiments.scenario.num_havs)
     spans = [
-        range(first, min(first + PART, experiments.num_episodes))
-        for first in range(0, experiments.num_episodes, PART)
+        range(first, min(first + step, experiments.num_episodes))
+        for first in range(0, experiments.num_episodes, step)
     ]
     for span in spans:
         part = parts / f"{span.start:09d}.parquet"
@@ -98,12 +111,11 @@ def check_at_least_one(name: str, value: int) -> None:
         raise ValueError(f"{name} is {value}, but must be at least 1")
 
 
-def discard(folder: pathlib.Path, names: Iterable[str]) -> None:
-    """Remove what earlier runs left in a folder under these names."""
-    for name in names:
-        for suffix in ("parquet", "json"):
-            (folder / f"{name}.{suffix}").unlink(missing_ok=True)
-        shutil.rmtree(folder / f"{name}.parts", ignore_errors=True)
+def _discard(folder: pathlib.Path, name: str) -> None:
+    """Remove what earlier runs left; the description goes last, so that no data are without one."""
+    shutil.rmtree(folder / f"{name}.parts", ignore_errors=True)
+    (folder / f"{name}.parquet").unlink(missing_ok=True)
+    (folder / f"{name}.json").unlink(missing_ok=True)
 
 
 def describe(experiments: Experiments) -> dict:
@@ -117,36 +129,26 @@ def describe(experiments: Experiments) -> dict:
             }
         return value.tolist() if isinstance(value, np.ndarray) else value
 
+    code = act.table[type(experiments.policy)], run_experiments, source_digest
     return {
         **{field: plain(value) for field, value in experiments._asdict().items()},
         "hav_env": hav_env.__version__,
-        "sources": source_digest(),
+        "sources": source_digest(map(source_of, code)),
     }
 
 
 def write_table(table: pa.Table, path: pathlib.Path) -> None:
     """Write a Parquet file, whole or not at all."""
-    unfinished = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    try:
+    with whole_file(path) as unfinished:
         pq.write_table(table, unfinished)
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)
-
-
-def write_text(text: str, path: pathlib.Path) -> None:
-    """Write a text file, whole or not at all."""
-    unfinished = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    try:
-        unfinished.write_text(text)
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def _claim(path: pathlib.Path, description: dict) -> None:
     """Write down what is run here, or check that it is what was begun."""
     if not path.exists():
+        data = path.with_suffix(".parquet"), path.with_suffix(".parts")
+        if any(kept.exists() for kept in data):
+            raise ValueError(f"{path.parent} holds results that nothing describes: use --overwrite")
         write_text(json.dumps(description, indent=2) + "\n", path)
         return
     begun = json.loads(path.read_text())
@@ -159,11 +161,9 @@ def _claim(path: pathlib.Path, description: dict) -> None:
 
 
 def _join(parts: list[pathlib.Path], target: pathlib.Path) -> None:
-    unfinished = target.with_name(f"{target.name}.{os.getpid()}.tmp")
-    try:
-        with pq.ParquetWriter(unfinished, pq.read_schema(parts[0])) as writer:
-            for part in parts:
-                writer.write_table(pq.read_table(part))
-        os.replace(unfinished, target)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with (
+        whole_file(target) as unfinished,
+        pq.ParquetWriter(unfinished, pq.read_schema(parts[0])) as writer,
+    ):
+        for part in parts:
+            writer.write_table(pq.read_table(part))

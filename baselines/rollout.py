@@ -6,7 +6,7 @@ import pyarrow as pa
 from baselines.metrics import tabulate
 from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
-from hav_env.compiled import canonical, entry
+from hav_env.compiled import canonical, default_threads, entry
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
 from hav_env.world import world_at
@@ -50,7 +50,7 @@ def rollout(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when a scenario has no room for its HAVs.
     """
-    check_policy(policy)
+    check_policy(policy, scenario)
     policy = canonical(policy)
     batch = Batch(scenario, len(episodes), task, vehicle)
     batch.reset(seed, episodes)
@@ -66,6 +66,6 @@ def rollout(
         allocate_memory(policy, num_havs, num_worlds),
         *np.zeros((2, num_havs, num_worlds)),
         threads=threads,
-        chunk=_CHUNK,
+        chunk=min(_CHUNK, -(-num_worlds // (threads or default_threads()))),
     )
     return tabulate(batch.worlds, start, policy)

@@ -1,7 +1,6 @@
 """Intervals for proportions and for differences between policies on the same episodes."""
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -72,11 +71,3 @@ def paired_difference(episodes: np.ndarray, ours: np.ndarray, theirs: np.ndarray
     _, group = np.unique(episodes[known], return_inverse=True)
     count = np.bincount(group)
     return mean(np.bincount(group, weights=difference[known]) / np.maximum(count, 1))
-
-
-Summarizer = Callable[[np.ndarray], Interval]
-
-
-def share(values: np.ndarray) -> Interval:
-    """Return the share of true values with its Wilson interval."""
-    return wilson(int(np.count_nonzero(values)), values.size)

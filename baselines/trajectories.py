@@ -64,7 +64,7 @@ def record_trajectory(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when the scenario has no room for its HAVs.
     """
-    check_policy(policy)
+    check_policy(policy, scenario)
     if every < 1:
         raise ValueError(f"every is {every}, but must be at least 1")
     batch = Batch(scenario, 1, task, vehicle)
@@ -201,6 +201,8 @@ def _choose_orbit(table: pa.Table) -> Excerpt | None:
     row = _least(table, _distance_from_median(np.where(missed, gap, np.nan)), missed)
     if row is None:
         return None
+    if row["path_length"] == 0.0:  # a policy that stands
+        return Excerpt(row["episode"], 1)
     turn = 2.0 * np.pi * row["stable_radius"] * row["moving_steps"] / row["path_length"]
     return Excerpt(row["episode"], 1, max(row["steps"] - round(6 * turn), 0), row["steps"])
 

@@ -13,7 +13,7 @@ from hav_env import sensing
 class SlowDown(NamedTuple):
     """Pursue the goal with gentler steering while any joint is bent."""
 
-    gentleness: float = 1.0
+    close_factor: float = 3.5
 
 
 @act.register(SlowDown)
@@ -23,5 +23,5 @@ def slow_down(policy, memory, world, agent):
     straightness = 1.0
     for joint in range(1, sensing.num_trailers(world, agent) + 1):
         straightness = min(straightness, sensing.articulation_cosine(world, agent, joint))
-    side = goal_attraction(3.5, 1e-3, world, agent)
-    return speed, side * steering_max * max(straightness, 0.0) ** policy.gentleness
+    side = goal_attraction(policy.close_factor, 1e-3, world, agent)
+    return speed, side * steering_max * max(straightness, 0.0)

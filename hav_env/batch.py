@@ -1,5 +1,7 @@
 """A batch of worlds that share a scenario: owns the arrays; reset and step."""
 
+import numbers
+
 import numpy as np
 
 from hav_env.compiled import canonical, entry
@@ -7,7 +9,7 @@ from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.task import Task, check_task
 from hav_env.transition import begin, step
-from hav_env.vehicles import OnAxle
+from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world import STEP, World, allocate_worlds, world_at
 
 
@@ -50,6 +52,7 @@ class Batch:
             raise ValueError(f"num_worlds is {num_worlds}, but must be at least 1")
         check_scenario(scenario)
         check_task(task)
+        check_vehicle(vehicle)
         self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
         self.num_worlds = num_worlds
         self._begun = False
@@ -66,8 +69,9 @@ class Batch:
 
         Raises:
             ValueError: when the seed or an episode is out of range, or not one for each world.
-            PlacementError: when a world has no room for its HAVs.
+            PlacementError: when a world has no room for its HAVs; the batch is then empty again.
         """
+        self._begun = False
         check_seed(seed)
         if episodes is None:
             episodes = np.arange(self.num_worlds)
@@ -84,7 +88,7 @@ class Batch:
         self._begun = True
 
     def step(self, speed: np.ndarray, steering: np.ndarray) -> None:
-        """Advance every world by one step.
+        """Advance every world by one step; worlds that have ended go on as well.
 
         Args:
             speed: (N, W) of the trucks [m/s]; steering: (N, W) [rad], left positive. Both are cut
@@ -120,7 +124,7 @@ class Batch:
 
 def check_seed(seed: int) -> None:
     """Raise ValueError unless the seed is a whole number of 32 bits."""
-    if not 0 <= seed < SEED_LIMIT:
+    if not isinstance(seed, numbers.Integral) or not 0 <= seed < SEED_LIMIT:
         raise ValueError(f"seed is {seed}, but must be from 0 to {SEED_LIMIT - 1}")
 
 

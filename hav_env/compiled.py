@@ -13,14 +13,14 @@ import os
 import pathlib
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numba
 from numba.extending import overload
 
 _log = logging.getLogger(__name__)
-_source_folders = {pathlib.Path(__file__).parent}  # whose code ends up in compiled loops
+_sources: set[pathlib.Path] = set()  # packages and files whose code ends up in compiled loops
 _SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
 # most of the time. A kernel must therefore not return an array to Python.
@@ -30,6 +30,7 @@ _INLINED = _OPTIONS | {"forceinline": True}
 
 def kernel(function: Callable) -> Callable:
     """Compile a function of floats. Not cached: the entry that calls it is."""
+    _note_sources(function)
     return numba.njit(**_OPTIONS)(function)
 
 
@@ -39,6 +40,7 @@ def world_kernel(function: Callable) -> Callable:
     A world is twenty arrays; handing them over would take longer than most rules work on them.
     The inlining is LLVM's: Numba's own (``inline="always"``) miscompiles returns out of loops.
     """
+    _note_sources(function)
     return numba.njit(**_INLINED)(function)
 
 
@@ -59,7 +61,6 @@ def generic(stub: Callable) -> Any:
 
     def register(model_class: type) -> Callable:
         def decorate(function: Callable) -> Callable:
-            _note_sources(function)
             table[model_class] = world_kernel(function)
             return table[model_class]
 
@@ -89,10 +90,10 @@ def entry(function: Callable) -> Callable:
 
     @functools.wraps(function)
     def call(count: int, *args: Any, threads: int | None = None, chunk: int | None = None) -> None:
-        folders = frozenset(_source_folders)
-        if folders not in compiled:
-            compiled[folders] = _cached(function, folders)
-        loop = compiled[folders]
+        sources = frozenset(_sources)
+        if sources not in compiled:
+            compiled[sources] = _cached(function, sources)
+        loop = compiled[sources]
         _ensure_compiled(loop, function.__name__, args)
         threads = threads or default_threads()
         chunk = chunk or -(-count // threads)
@@ -105,8 +106,9 @@ def entry(function: Callable) -> Callable:
             for job in jobs:
                 job.result()
         finally:
-            for job in jobs:  # after an interrupt: do not start what has not begun
+            for job in jobs:  # after an interrupt: do not start what has not begun, ...
                 job.cancel()
+            concurrent.futures.wait(jobs)  # ... nor leave the arrays to loops that still write
 
     return call
 
@@ -137,20 +139,29 @@ def default_threads() -> int:
 
 
 def _note_sources(function: Callable) -> None:
-    _source_folders.add(pathlib.Path(function.__code__.co_filename).parent)
+    _sources.add(source_of(function))
 
 
-def source_digest(folders: frozenset | None = None) -> str:
-    """Return a digest of all code that may end up in compiled loops, and of Numba's version."""
+def source_of(function: Any) -> pathlib.Path:
+    """Return the outermost package that a function or kernel belongs to, or its file if in none."""
+    path = pathlib.Path(getattr(function, "py_func", function).__code__.co_filename)
+    while (path.parent / "__init__.py").exists():
+        path = path.parent
+    return path
+
+
+def source_digest(sources: Iterable[pathlib.Path]) -> str:
+    """Return a digest of the code in packages and files, and of Numba's version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(p for folder in folders or _source_folders for p in folder.rglob("*.py")):
-        digest.update(path.read_bytes())
+    for source in sorted(set(sources)):
+        for path in sorted(source.rglob("*.py")) if source.is_dir() else [source]:
+            digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def _cached(function: Callable, folders: frozenset) -> Callable:
+def _cached(function: Callable, sources: frozenset) -> Callable:
     previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_writable_home() / source_digest(folders))
+    numba.config.CACHE_DIR = str(_writable_home() / source_digest(sources))
     try:
         return numba.njit(cache=True, **_OPTIONS)(function)
     finally:

@@ -10,7 +10,7 @@ TURNS_PER_RADIAN = 1.0 / TWO_PI
 
 @kernel
 def wrap(angle):
-    """Return the angle [rad] moved by whole turns into [-pi, pi)."""
+    """Return the angle [rad] moved by whole turns into [-pi, pi), up to rounding."""
     return angle - TWO_PI * math.floor((angle + math.pi) * TURNS_PER_RADIAN)
 
 

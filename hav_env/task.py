@@ -30,8 +30,8 @@ def check_task(task: Task) -> None:
         value = getattr(task, field)
         if not (math.isfinite(value) and value > 0):
             raise ValueError(f"task {field} is {value}, but must be finite and above 0")
-    if task.max_steps < 1:
-        raise ValueError(f"task max_steps is {task.max_steps}, but must be at least 1")
+    if not isinstance(task.max_steps, int) or task.max_steps < 1:
+        raise ValueError(f"task max_steps is {task.max_steps}, but must be a whole number >= 1")
     if not (math.isfinite(task.sensing_range) and task.sensing_range >= 0):
         raise ValueError(
             f"task sensing_range is {task.sensing_range}, but must be finite and at least 0"

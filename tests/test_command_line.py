@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from conftest import budget
 
 from baselines import results
 from baselines.__main__ import main
@@ -66,7 +67,7 @@ def test_a_policy_of_ones_own_is_evaluated_from_its_module(tmp_path, capsys, mon
 
 
 def test_an_interrupted_run_resumes_and_ends_with_the_same_bytes(tmp_path, monkeypatch):
-    monkeypatch.setattr(results, "PART", 3)
+    monkeypatch.setattr(results, "PART", 6)  # three episodes of two HAVs
     experiments = Experiments(AvoidJack(), RandomPoses(num_havs=2), 8, 5, Task(max_steps=200))
     whole = run_experiments(experiments, tmp_path / "whole", "pair")
 
@@ -86,23 +87,34 @@ def test_an_interrupted_run_resumes_and_ends_with_the_same_bytes(tmp_path, monke
     assert sorted(path.name for path in resumed.parent.iterdir()) == ["pair.json", "pair.parquet"]
 
 
-def test_a_killed_command_leaves_whole_files_only_and_resumes(tmp_path):
-    command = [
-        sys.executable, "-m", "baselines", "evaluate", "random", "--episodes", "2000000",
-        "--output", str(tmp_path), "--task.max-steps", "100",
-    ]  # fmt: skip
-    process = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-    parts = tmp_path / "random.parts"
-    deadline = time.monotonic() + 240
-    while not (parts.exists() and list(parts.glob("*.parquet"))):
+def test_a_killed_command_resumes_and_ends_with_the_same_bytes(tmp_path, capsys):
+    episodes = budget(20_000, 1_500)
+
+    def command(folder):
+        return [
+            "evaluate", "random", "--episodes", str(episodes), "--task.max-steps", "50",
+            "--output", str(tmp_path / folder),
+        ]  # fmt: skip
+
+    process = subprocess.Popen(
+        [sys.executable, "-m", "baselines", *command("killed")],
+        stderr=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+    )
+    parts = tmp_path / "killed/random.parts"
+    deadline = time.monotonic() + 300
+    while not (parts.exists() and list(parts.glob("0*.parquet"))):
         assert process.poll() is None
         assert time.monotonic() < deadline
-        time.sleep(0.05)
+        time.sleep(0.01)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
-    for part in parts.glob("*.parquet"):
-        assert pq.read_table(part).num_rows == results.PART
-    assert not (tmp_path / "random.parquet").exists()
+    assert not (tmp_path / "killed/random.parquet").exists()
+    assert run(capsys, *command("killed"))[0] == 0
+    assert run(capsys, *command("whole"))[0] == 0
+    assert not parts.exists()
+    killed, whole = (tmp_path / folder / "random.parquet" for folder in ("killed", "whole"))
+    assert killed.read_bytes() == whole.read_bytes()
 
 
 def test_the_number_of_experiments_does_not_change_an_experiment(tmp_path):
@@ -120,6 +132,18 @@ def test_a_folder_does_not_mix_runs(tmp_path, capsys):
     assert code == 2
     assert "another seed" in err
     assert run(capsys, *arguments, "--seed", 1, "--overwrite")[0] == 0
+    # what is wrong is said before anything is discarded
+    assert run(capsys, *arguments, "--overwrite", "--threads", 0)[0] == 2
+    assert pq.read_table(tmp_path / "random.parquet").num_rows == 2
+
+
+def test_results_without_a_description_are_not_taken_for_ones_own(tmp_path, capsys):
+    arguments = ["evaluate", "random", "--episodes", 2, "--output", tmp_path, *SHORT]
+    assert run(capsys, *arguments)[0] == 0
+    (tmp_path / "random.json").unlink()
+    code, _, err = run(capsys, *arguments)
+    assert code == 2
+    assert "nothing describes" in err
 
 
 @pytest.mark.parametrize(
@@ -139,6 +163,10 @@ def test_a_folder_does_not_mix_runs(tmp_path, capsys):
         (["evaluate", "random", "--seed", "-1"], "seed is -1"),
         (["evaluate", "random", "--threads", "0"], "threads is 0"),
         (["evaluate", "random", "--task.dt", "0"], "task dt is 0"),
+        (["evaluate", "random", "--vehicle.substeps", "0"], "vehicle substeps is 0"),
+        (["evaluate", "random", "--policy.hold", "0"], "policy hold is 0"),
+        (["evaluate", "avoid_jack", "--policy.beta", "1.6"], "policy beta is 1.6"),
+        (["evaluate", "avoid_jack", "--policy.close-factor", "-1"], "close_factor is -1"),
         (["evaluate", "random", "--scenario", "moon"], "unknown scenario 'moon'"),
         (["evaluate", "random", "--scenario", "none.json"], "no scenario file none.json"),
         (["reproduce", "--policy", "nobody"], "unknown policy 'nobody'"),
@@ -155,12 +183,30 @@ def test_bad_input_is_one_line_and_an_exit_code(arguments, message, tmp_path, ca
     assert not list(tmp_path.glob("*.parquet"))
 
 
-def test_a_broken_scenario_file_is_named(tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"havs": [', "is not a JSON file"),
+        ("[" * 100_000, "is not a JSON file"),
+        ("[]", 'a list "havs"'),
+        ('{"havs": [{"lengths": [4, 8], "start": [0, 0, 0]}]}', '"goals"'),
+        ('{"havs": [{"lengths": ["4", 8], "start": [0, 0, 0], "goals": [[9, 0, 0]]}]}', "lengths"),
+        ('{"havs": [{"lengths": [4, 8], "start": [0, 0, NaN], "goals": [[9, 0, 0]]}]}', "finite"),
+        ('{"havs": [{"lengths": [4, 8], "start": [1e999, 0, 0], "goals": [[9, 0, 0]]}]}', "start"),
+        (
+            '{"havs": [{"lengths": [4, 8], "start": [%s, 0, 0], "goals": [[9, 0, 0]]}]}' % 10**400,
+            "start",
+        ),
+        ('{"havs": [{"lengths": [4, -8], "start": [0, 0, 0], "goals": [[9, 0, 0]]}]}', "lengths"),
+    ],
+)
+def test_a_broken_scenario_file_is_named(text, message, tmp_path, capsys):
     path = tmp_path / "broken.json"
-    path.write_text('{"havs": [')
+    path.write_text(text)
     code, _, err = run(capsys, "evaluate", "random", "--scenario", path, "--output", tmp_path / "o")
     assert code == 2
-    assert f"{path} is not a JSON file" in err
+    assert str(path) in err
+    assert message in err
 
 
 def test_an_unwritable_folder_is_named(tmp_path, capsys):

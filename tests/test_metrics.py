@@ -188,7 +188,7 @@ def test_what_is_no_policy_is_an_error(policy):
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_a_parameter_that_is_not_finite_is_named(model, field, value):
     with pytest.raises(ValueError, match=f"policy {field} is {value}"):
-        check_policy(model()._replace(**{field: value}))
+        check_policy(model()._replace(**{field: value}), RandomPoses())
 
 
 def test_memory_is_as_large_as_a_policy_asks_and_empty_at_first():

@@ -23,7 +23,7 @@ def test_the_commands_run(command, tmp_path, capsys, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "mine.py").write_text(BLOCKS[1])
     arguments = command.replace("examples/", f"{ROOT}/examples/").split()
-    arguments += ["--episodes", "2", "--task.max-steps", "200", "--output", str(tmp_path / "out")]
+    arguments += ["--episodes", "2", "--task.max-steps", "200"]
     assert main(arguments) == 0
     assert "goal 1 hit" in capsys.readouterr().out
 

@@ -87,7 +87,7 @@ def load_explicit(path: str | pathlib.Path) -> Explicit:
     """
     try:
         data = json.loads(pathlib.Path(path).read_text())
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise ValueError(f"{path} is not a JSON file: {error}") from None
     try:
         return _from_json(data)
@@ -108,10 +108,23 @@ def _from_json(data: Any) -> Explicit:
             raise ValueError(f'HAV {agent} must have "lengths", "start" and "goals", and no more')
         for name, column in columns.items():
             column.append(hav[name])
-    try:
-        return explicit(columns["lengths"], columns["start"], columns["goals"], **limits)
-    except TypeError as error:
-        raise ValueError(f"an entry is not a number or a list of them: {error}") from None
+    _require_numbers(columns["lengths"], 2, "lengths")
+    _require_numbers(columns["start"], 2, "start")
+    _require_numbers(columns["goals"], 3, "goals")
+    for name, value in limits.items():
+        _require_numbers(value, 0, name)
+    return explicit(columns["lengths"], columns["start"], columns["goals"], **limits)
+
+
+def _require_numbers(value: Any, depth: int, name: str) -> None:
+    """Raise ValueError unless ``value`` is lists, ``depth`` deep, of numbers in a float's range."""
+    if depth > 0:
+        if not isinstance(value, list):
+            raise ValueError(f"{name}: {value!r} is not a list")
+        for part in value:
+            _require_numbers(part, depth - 1, name)
+    elif isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > 1e300:
+        raise ValueError(f"{name}: {str(value)[:40]!r} is not a number in range")
 
 
 def check_explicit(scenario: Explicit) -> None:
@@ -121,7 +134,8 @@ def check_explicit(scenario: Explicit) -> None:
         value = getattr(scenario, field)
         too_large = value > most if field == "articulation_max" else value >= most
         if not value > 0 or too_large:
-            raise ValueError(f"scenario {field} is {value}, but must be above 0, at most {most}")
+            rule = f"at most {most:.6g}" if field == "articulation_max" else f"below {most:.6g}"
+            raise ValueError(f"scenario {field} is {value}, but must be above 0 and {rule}")
     places = np.concatenate([scenario.start[:, None], scenario.goals], axis=1)  # (N, 1 + G, 3)
     radius = np.array(
         [

@@ -25,7 +25,7 @@ class RandomPoses(NamedTuple):
     """sigma of the Rayleigh distribution of the trailer count."""
     trailer_offset: float = 0.0
     """Added before a Rayleigh sample is cut to a whole number: 0 cuts downwards, 0.5 rounds.
-    The paper leaves this open; cutting fits its goal figures."""
+    The paper leaves this open; cutting gives somewhat more goals."""
     trailer_redraw: bool = False
     """Draw counts outside the limits again, instead of moving them to the nearest limit.
     The paper leaves this open; it matters for one HAV in twenty."""

@@ -1,7 +1,9 @@
 """How a truck and its trailers move: one file for each model, chosen by its type."""
 
+import functools
+
 from hav_env.compiled import generic
-from hav_env.vehicles.on_axle import OnAxle, move_on_axle
+from hav_env.vehicles.on_axle import OnAxle, check_on_axle, move_on_axle
 
 
 @generic
@@ -12,6 +14,18 @@ def move(vehicle, dt, world, agent, speed, steering):
     """
 
 
-move.register(OnAxle)(move_on_axle)
+@functools.singledispatch
+def check_vehicle(vehicle) -> None:
+    """Check a vehicle model before it is used.
 
-__all__ = ["OnAxle", "move"]
+    Raises:
+        ValueError: naming the field, its value and what is allowed.
+        TypeError: when this is no vehicle.
+    """
+    raise TypeError(f"{vehicle!r} is not a vehicle: register its type with move")
+
+
+move.register(OnAxle)(move_on_axle)
+check_vehicle.register(OnAxle)(check_on_axle)
+
+__all__ = ["OnAxle", "check_vehicle", "move"]

@@ -7,17 +7,24 @@ from hav_env.world import turn_unit
 
 
 class OnAxle(NamedTuple):
-    """On-axle hitching, rolling without slip, explicit Euler integration.
+    """On-axle hitching, rolling without slip, Euler integration.
 
-    The paper does not state its integrator. Its simulation reads like a program that updates one
-    variable after the other: the truck's heading, its position, then trailer by trailer, each from
-    the newest values. That order fits the published figures, and is the default.
+    The paper does not state its integrator. By default one variable is updated after the other, as
+    a program naturally would: the truck's heading, its position, then trailer by trailer, each from
+    the newest values (sequential, or semi-implicit, Euler). That fits the published figures; the
+    textbook's explicit Euler is ``simultaneous=True``. Both are of first order.
     """
 
     substeps: int = 1
     """Euler steps within one step of the simulation; the paper's is one."""
     simultaneous: bool = False
     """Take all derivatives at the beginning of an Euler step instead of in order."""
+
+
+def check_on_axle(vehicle: OnAxle) -> None:
+    """Raise ValueError unless there is at least one substep."""
+    if not isinstance(vehicle.substeps, int) or vehicle.substeps < 1:
+        raise ValueError(f"vehicle substeps is {vehicle.substeps}, but must be a whole number >= 1")
 
 
 def move_on_axle(vehicle, dt, world, agent, speed, steering):

@@ -1,0 +1,81 @@
+"""What the paper says of its experiments in words, measured in ours."""
+
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+
+def fingerprints(single: pa.Table, pair: pa.Table) -> list[list[str]]:
+    """Return rows of text: what the paper says, and the measure for single HAVs and pairs.
+
+    Args:
+        single, pair: tables of the paper's experiments, columns as in docs/metrics.md.
+    """
+    measures = (
+        ("jackknifes at the last joint ('predominantly at the rear joints')", _last_joint),
+        ("jackknifed HAVs with fewer than four trailers (none)", _few_trailers),
+        ("first goals hit at 0.3 to 0.5 m ('most')", _far_hits),
+        ("share of heading close misses, steps, both goals (67 %, 68 %)", _heading_misses),
+        ("the same, goals never hit only", _heading_misses_never_hit),
+        ("HAVs in actual collision whose truck exceeds the footprint radius", _long_trucks),
+        ("HAVs in actual collision from the start", _at_start),
+        ("experiments in which no HAV hits its first goal", _none_arrives),
+    )
+    rows = [["", "single", "pair"]]
+    return rows + [[name, measure(single), measure(pair)] for name, measure in measures]
+
+
+def _share(part: Any, whole: Any) -> str:
+    return f"{100 * part / whole:.1f} % of {whole:,.0f}" if whole else "-"
+
+
+def _column(table: pa.Table, name: str) -> np.ndarray:
+    return table[name].to_numpy(zero_copy_only=False)
+
+
+def _last_joint(table: pa.Table) -> str:
+    last = _column(table, "jackknife_joint") == _column(table, "num_trailers")
+    return _share(last.sum(), _column(table, "jackknifed").sum())
+
+
+def _few_trailers(table: pa.Table) -> str:
+    jackknifed = _column(table, "jackknifed").astype(bool)
+    few = jackknifed & (_column(table, "num_trailers") < 4)
+    return f"{few.sum()} of {jackknifed.sum()}"
+
+
+def _far_hits(table: pa.Table) -> str:
+    distance = _column(table, "goal_1_distance").astype(float)
+    return _share(np.sum(distance >= 0.3), np.isfinite(distance).sum())
+
+
+def _heading_misses(table: pa.Table, never_hit: bool = False) -> str:
+    shares = []
+    for goal in (1, 2):
+        kept = ~_column(table, f"goal_{goal}_hit").astype(bool) | (not never_hit)
+        heading = _column(table, f"goal_{goal}_heading_miss_steps")[kept].sum()
+        euclidean = _column(table, f"goal_{goal}_euclidean_miss_steps")[kept].sum()
+        shares.append(_share(heading, heading + euclidean))
+    return ", ".join(shares)
+
+
+def _heading_misses_never_hit(table: pa.Table) -> str:
+    return _heading_misses(table, never_hit=True)
+
+
+def _long_trucks(table: pa.Table) -> str:
+    collided = _column(table, "actual_collision").astype(bool)
+    longer = _column(table, "truck_length") > _column(table, "footprint_radius")
+    return _share((collided & longer).sum(), collided.sum())
+
+
+def _at_start(table: pa.Table) -> str:
+    collided = _column(table, "actual_collision").astype(bool)
+    return f"{np.sum(_column(table, 'actual_collision_step') == 0)} of {collided.sum()}"
+
+
+def _none_arrives(table: pa.Table) -> str:
+    episodes, group = np.unique(_column(table, "episode"), return_inverse=True)
+    hits = np.bincount(group, weights=_column(table, "goal_1_hit").astype(float))
+    return _share(np.sum(hits == 0), len(episodes))
