@@ -90,5 +90,13 @@ def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.nda
         batch: what is sensed; pass the result to ``batch.step``.
     """
     speed, steering = np.zeros((2, *batch.worlds.state.x.shape))
-    act_worlds(batch.num_worlds, canonical(policy), memory, batch.worlds, speed, steering)
+    act_worlds(
+        batch.num_worlds,
+        canonical(policy),
+        memory,
+        batch.worlds,
+        speed,
+        steering,
+        threads=batch.threads,
+    )
     return speed, steering

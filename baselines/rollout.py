@@ -1,19 +1,19 @@
 """Whole episodes in a closed loop, compiled, and the table of what happened in them."""
 
+import functools
+
 import numpy as np
 import pyarrow as pa
 
 from baselines.metrics import tabulate
 from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
-from hav_env.compiled import canonical, default_threads, entry
+from hav_env.compiled import canonical, entry, run_on_threads
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
 from hav_env.world import world_at
 
-# Worlds that a thread takes at a time: their arrays are neighbours in memory, and threads that
-# write into one line of the cache wait for each other.
-_CHUNK = 16
+_BLOCK = 32  # HAVs in the worlds that a thread takes at a time
 
 
 @entry
@@ -51,8 +51,18 @@ def rollout(
         PlacementError: when a scenario has no room for its HAVs.
     """
     check_policy(policy, scenario)
+    if len(episodes) == 0:
+        raise ValueError("episodes is empty, but must hold at least one number")
     policy = canonical(policy)
-    batch = Batch(scenario, len(episodes), task, vehicle)
+    size = max(1, _BLOCK // max(1, scenario.num_havs))
+    blocks = [episodes[first : first + size] for first in range(0, len(episodes), size)]
+    roll = functools.partial(_roll, policy, scenario, seed, task, vehicle)
+    return pa.concat_tables(run_on_threads(roll, blocks, threads)).combine_chunks()
+
+
+def _roll(policy, scenario, seed: int, task: Task, vehicle, episodes: np.ndarray) -> pa.Table:
+    """Run the episodes of one block, on this thread."""
+    batch = Batch(scenario, len(episodes), task, vehicle, threads=1)
     batch.reset(seed, episodes)
     state = batch.worlds.state
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
@@ -65,7 +75,6 @@ def rollout(
         batch.worlds,
         allocate_memory(policy, num_havs, num_worlds),
         *np.zeros((2, num_havs, num_worlds)),
-        threads=threads,
-        chunk=min(_CHUNK, -(-num_worlds // (threads or default_threads()))),
+        threads=1,
     )
     return tabulate(batch.worlds, start, policy)

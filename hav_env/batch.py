@@ -41,8 +41,13 @@ class Batch:
         num_worlds: int = 1,
         task: Task = Task(),  # a NamedTuple is immutable
         vehicle=OnAxle(),
+        threads: int | None = None,
     ) -> None:
         """Allocate the worlds; they are empty until ``reset``.
+
+        Args:
+            scenario, num_worlds, task, vehicle: as above.
+            threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
 
         Raises:
             ValueError: when a parameter of scenario or task is not allowed, naming it.
@@ -55,6 +60,7 @@ class Batch:
         check_vehicle(vehicle)
         self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
         self.num_worlds = num_worlds
+        self.threads = threads
         self._begun = False
         self.worlds: World = allocate_worlds(
             num_worlds, scenario.num_havs, scenario.max_trailers + 1, scenario.num_goals
@@ -83,7 +89,16 @@ class Batch:
         if episodes.min() < 0 or episodes.max() >= SEED_LIMIT:
             raise ValueError(f"episodes must be from 0 to {SEED_LIMIT - 1}")
         placed = np.zeros(self.num_worlds, np.bool_)
-        begin_worlds(self.num_worlds, self.scenario, self.task, self.worlds, seed, episodes, placed)
+        begin_worlds(
+            self.num_worlds,
+            self.scenario,
+            self.task,
+            self.worlds,
+            seed,
+            episodes,
+            placed,
+            threads=self.threads,
+        )
         check_placed(placed, self.scenario)
         self._begun = True
 
@@ -109,7 +124,9 @@ class Batch:
             if not np.isfinite(array).all():
                 raise ValueError(f"{name} holds a number that is not finite")
             arrays.append(np.ascontiguousarray(array))
-        step_worlds(self.num_worlds, self.task, self.vehicle, self.worlds, *arrays)
+        step_worlds(
+            self.num_worlds, self.task, self.vehicle, self.worlds, *arrays, threads=self.threads
+        )
 
     def world(self, w: int) -> World:
         """Return the view of one world: the arrays without their last axis."""

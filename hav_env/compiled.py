@@ -21,6 +21,7 @@ from numba.extending import overload
 
 _log = logging.getLogger(__name__)
 _sources: set[pathlib.Path] = set()  # packages and files whose code ends up in compiled loops
+_FEWEST = 16  # worlds that are worth a thread
 _SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
 # most of the time. A kernel must therefore not return an array to Python.
@@ -77,40 +78,49 @@ def entry(function: Callable) -> Callable:
     """Make ``loop(first, last, *args)`` over worlds callable as ``loop(count, *args)``.
 
     The loop is compiled at its first call, once models are registered, and kept on disk under the
-    digest of all sources, for Numba itself does not see edits in other files. The worlds are cut
-    into chunks that threads take as they become free. The threads are Python's and the loop is
-    serial and free of the GIL: Numba's ``prange`` loses writes to fields of tuples (numba#7135)
-    and does not survive a fork.
-
-    The call takes two keywords: ``threads`` (default: ``default_threads()``) and ``chunk``, the
-    number of worlds a thread takes at a time (default: an equal share for every thread).
+    digest of all sources, for Numba itself does not see edits in other files. The worlds are shared
+    out evenly among ``threads`` (default: ``default_threads()``). The threads are Python's and the
+    loop is serial and free of the GIL: Numba's ``prange`` loses writes to fields of tuples
+    (numba#7135) and does not survive a fork.
     """
     _note_sources(function)
     compiled: dict[frozenset, Callable] = {}
 
     @functools.wraps(function)
-    def call(count: int, *args: Any, threads: int | None = None, chunk: int | None = None) -> None:
+    def call(count: int, *args: Any, threads: int | None = None) -> None:
         sources = frozenset(_sources)
         if sources not in compiled:
             compiled[sources] = _cached(function, sources)
         loop = compiled[sources]
         _ensure_compiled(loop, function.__name__, args)
         threads = threads or default_threads()
-        chunk = chunk or -(-count // threads)
-        if threads == 1 or count <= chunk:
+        share = max(_FEWEST, -(-count // threads))
+        if count <= share:
             loop(0, count, *args)
             return
-        spans = [(first, min(first + chunk, count)) for first in range(0, count, chunk)]
-        jobs = [_pool(os.getpid(), threads).submit(loop, *span, *args) for span in spans]
-        try:
-            for job in jobs:
-                job.result()
-        finally:
-            for job in jobs:  # after an interrupt: do not start what has not begun, ...
-                job.cancel()
-            concurrent.futures.wait(jobs)  # ... nor leave the arrays to loops that still write
+        spans = [(first, min(first + share, count)) for first in range(0, count, share)]
+        run_on_threads(lambda span: loop(*span, *args), spans, threads)
 
     return call
+
+
+def run_on_threads(function: Callable, items: Iterable, threads: int | None = None) -> list:
+    """Return ``[function(item) for item in items]``, computed on threads as they become free.
+
+    Worth it when the function spends its time in entries, which it must call with ``threads=1``.
+    Two threads that write into neighbouring elements of an array wait for each other, so each item
+    should have arrays of its own.
+    """
+    threads = threads or default_threads()
+    if threads == 1:
+        return [function(item) for item in items]
+    jobs = [_pool(os.getpid(), threads).submit(function, item) for item in items]
+    try:
+        return [job.result() for job in jobs]
+    finally:
+        for job in jobs:  # after an interrupt: do not start what has not begun, ...
+            job.cancel()
+        concurrent.futures.wait(jobs)  # ... nor leave the arrays to loops that still write
 
 
 def canonical(model: Any) -> Any:
@@ -178,26 +188,25 @@ def _writable_home() -> pathlib.Path:
         return pathlib.Path(tempfile.gettempdir()) / f"hav_env-{os.getuid()}"
 
 
-_announced: set[tuple] = set()
+_ready: set[tuple] = set()
+_compiling = threading.Lock()
 
 
 def _ensure_compiled(loop: Any, name: str, args: tuple) -> None:
     """Compile (or load) the loop for these arguments first, and say so when it takes a while."""
     kinds = (id(loop), *map(type, args))
-    if kinds in _announced or not hasattr(loop, "compile"):
+    if kinds in _ready or not hasattr(loop, "compile"):
         return
-    notice = threading.Timer(
-        _SILENT_SECONDS,
-        _log.warning,
-        (f"hav_env compiles {name} (once for this version on this machine) ...",),
-    )
-    notice.daemon = True
-    notice.start()
-    try:
-        loop.compile((numba.int64, numba.int64, *map(numba.typeof, args)))
-    finally:
-        notice.cancel()
-    _announced.add(kinds)
+    message = f"hav_env compiles {name} (once for this version on this machine) ..."
+    with _compiling:
+        notice = threading.Timer(_SILENT_SECONDS, _log.warning, (message,))
+        notice.daemon = True
+        notice.start()
+        try:
+            loop.compile((numba.int64, numba.int64, *map(numba.typeof, args)))
+        finally:
+            notice.cancel()
+        _ready.add(kinds)
 
 
 @functools.cache
