@@ -206,7 +206,7 @@ def test_a_rollout_refuses_seeds_beyond_32_bits(seed):
 
 def test_a_rollout_without_room_is_an_error():
     crowded = RandomPoses(num_havs=20, area_factor=0.3, pose_attempts=5, world_attempts=1)
-    with pytest.raises(PlacementError, match="2 of 2 worlds"):
+    with pytest.raises(PlacementError, match="worlds have no room for 20 HAVs"):
         rollout(Random(), crowded, 0, np.arange(2))
 
 
