@@ -31,6 +31,12 @@ _COMMANDS = {
     "evaluate": "policies on a scenario: one table, differences on the same episodes",
     "calibrate": "the effect of every choice that the paper leaves open",
 }
+# what is read before tyro sees the rest
+_NAMES = {
+    "reproduce": "[--policy NAME]",
+    "evaluate": "POLICY ... [--scenario NAME|FILE.json]",
+    "calibrate": "",
+}
 
 
 @dataclasses.dataclass
@@ -199,7 +205,7 @@ def _parse(
         with contextlib.redirect_stderr(complaint):
             return tyro.cli(
                 options_class,
-                prog=f"python -m baselines {command}",
+                prog=f"python -m baselines {command} {_NAMES[command]}".rstrip(),
                 description=_COMMANDS[command],
                 args=arguments,
                 default=options_class(output=output),
