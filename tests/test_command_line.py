@@ -192,7 +192,7 @@ def test_bad_input_is_one_line_and_an_exit_code(arguments, message, tmp_path, ca
         ('{"havs": [{"lengths": [4, 8], "start": [0, 0, 0]}]}', '"goals"'),
         ('{"havs": [{"lengths": ["4", 8], "start": [0, 0, 0], "goals": [[9, 0, 0]]}]}', "lengths"),
         ('{"havs": [{"lengths": [4, 8], "start": [0, 0, NaN], "goals": [[9, 0, 0]]}]}', "finite"),
-        ('{"havs": [{"lengths": [4, 8], "start": [1e999, 0, 0], "goals": [[9, 0, 0]]}]}', "start"),
+        ('{"havs": [{"lengths": [4, 8], "start": [1e999, 0, 0], "goals": [[9, 0, 0]]}]}', "finite"),
         (
             '{"havs": [{"lengths": [4, 8], "start": [%s, 0, 0], "goals": [[9, 0, 0]]}]}' % 10**400,
             "start",

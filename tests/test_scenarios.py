@@ -313,9 +313,9 @@ def test_arrays_will_do_for_lists():
         (json.dumps({"havs": [HAV], "speed": 1}), "unknown entry 'speed'"),
         (json.dumps({"havs": [HAV], "speed_max": "fast"}), "fast"),
         (json.dumps({"havs": [HAV], "speed_max": None}), "not a number"),
-        (json.dumps({"havs": [HAV | {"lengths": 5}]}), "not a number or a list"),
-        (json.dumps({"havs": [HAV | {"goals": 5}]}), "not a number or a list"),
-        (json.dumps({"havs": [HAV | {"goals": [5]}]}), "not a number or a list"),
+        (json.dumps({"havs": [HAV | {"lengths": 5}]}), "is not a list"),
+        (json.dumps({"havs": [HAV | {"goals": 5}]}), "is not a list"),
+        (json.dumps({"havs": [HAV | {"goals": [5]}]}), "is not a list"),
         (json.dumps({"havs": [HAV | {"start": ["a", 0, 0]}]}), "a"),
     ],
 )
