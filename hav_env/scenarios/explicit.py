@@ -10,7 +10,6 @@ import numpy as np
 
 from hav_env.world import derive_radii, put_straight, set_limits
 
-
 _LARGEST = 10**300  # of whole numbers, which a float can still hold
 
 
