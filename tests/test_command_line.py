@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import budget
 
-from baselines import results
+from baselines import calibrate, results
 from baselines.__main__ import main
 from baselines.avoid_jack import AvoidJack
 from baselines.registry import POLICIES, SCENARIOS
@@ -92,8 +92,8 @@ def test_a_killed_command_resumes_and_ends_with_the_same_bytes(tmp_path, capsys)
 
     def command(folder):
         return [
-            "evaluate", "random", "--episodes", str(episodes), "--task.max-steps", "50",
-            "--output", str(tmp_path / folder),
+            "evaluate", "random", "--episodes", str(episodes), "--output", str(tmp_path / folder),
+            "--task.max-steps", str(budget(50, 10)),
         ]  # fmt: skip
 
     process = subprocess.Popen(
@@ -221,16 +221,29 @@ def test_reproduce_writes_tables_report_and_figures_twice_the_same(tmp_path, cap
     folders = [tmp_path / name for name in ("one", "two")]
     for folder, threads in zip(folders, (1, 2), strict=True):
         code, out, _ = run(
-            capsys, "reproduce", "--experiments", 6, "--seed", 3, "--output", folder,
+            capsys, "reproduce", "--experiments", budget(6, 1), "--seed", 3, "--output", folder,
             "--threads", threads,
         )  # fmt: skip
         assert code == 0
         assert "86.76 %" in out  # the paper's
     names = sorted(path.name for path in folders[0].iterdir())
     assert {"single.parquet", "pair.parquet", "report.md"} <= set(names)
-    assert {"goals_pair.png", "goals_pair.svg", "trajectory_hit.png"} <= set(names)
+    assert {"goals_pair.png", "goals_pair.svg", "jackknife_weight.png"} <= set(names)
+    assert any(name.startswith("trajectory_") for name in names)
     for name in names:
         assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes(), name
+
+
+def test_calibrate_measures_every_choice(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(calibrate, "CHOICES", calibrate.CHOICES[1:2])
+    code, out, _ = run(capsys, "calibrate", "--experiments", 1, "--output", tmp_path)
+    table = pq.read_table(tmp_path / "calibration.parquet")
+    assert code == 0
+    assert "published" in out
+    assert table["choice"].to_pylist() == ["steering_max 35 deg"]
+    assert 0.0 <= table["pair_goal_1_hit"][0].as_py() <= table["pair_goal_1_hit_high"][0].as_py()
+    described = json.loads((tmp_path / "choices/00-pair.json").read_text())
+    assert np.isclose(np.degrees(described["scenario"]["steering_max"]), 35)
 
 
 def test_presets_are_the_papers():
