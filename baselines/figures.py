@@ -23,6 +23,7 @@ from baselines.drawings import (
     save_figure,
     sheet,
 )
+from baselines.metrics import joint_weights
 from baselines.trajectories import choose_episodes, record_trajectory, round_closest
 from hav_env import Task
 from hav_env.vehicles import OnAxle
@@ -46,7 +47,7 @@ def draw_jackknife_weight(
     """Draw the jackknife weight over the articulation, eq. (jackknife-weigt-func)."""
 
     def weight(articulation):
-        return 1.0 + np.tanh(policy.b - policy.c * np.cos(articulation))
+        return joint_weights(policy, np.cos(articulation))
 
     figure = new_figure(2.0, 3.5)
     axes = figure.add_subplot(xlim=(-1, 1), ylim=(0, 2))

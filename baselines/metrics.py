@@ -152,7 +152,7 @@ def _goal_columns(name: str, goal: np.ndarray, path_before: np.ndarray) -> dict:
 def _miss_columns(name: str, miss: np.ndarray, present: np.ndarray, policy) -> dict:
     """The narrowest close miss of one kind."""
     count = miss[:, MISS_COUNT].astype(np.int64)
-    weights = _weights(policy, np.cos(miss[:, MISS_ARTICULATION:]))
+    weights = joint_weights(policy, np.cos(miss[:, MISS_ARTICULATION:]))
     return {
         f"{name}_steps": count,
         f"{name}_distance": pa.array(miss[:, MISS_DISTANCE], mask=count == 0),
@@ -163,7 +163,7 @@ def _miss_columns(name: str, miss: np.ndarray, present: np.ndarray, policy) -> d
     }
 
 
-def _weights(policy, cosine: np.ndarray) -> np.ndarray:
+def joint_weights(policy, cosine: np.ndarray) -> np.ndarray:
     """Return the jackknife weight of every joint, eq. (jackknife-weigt-func)."""
     weighing = policy if isinstance(policy, AvoidJack) else AvoidJack()
     return 1.0 + np.tanh(weighing.b - weighing.c * cosine)
