@@ -3,13 +3,13 @@
 import math
 from typing import NamedTuple
 
-from baselines.policy import act, check_parameters, memory_size, require_at_least
+from baselines.policy import act_lanes, check_parameters, memory_size, require_at_least
 from baselines.pursuit import goal_attraction
-from hav_env.compiled import kernel, world_kernel
+from hav_env.compiled import kernel
+from hav_env.elementary import atan2, exp, sincos
 from hav_env.geometry import clip
 from hav_env.sensing import (
-    articulation_cosine,
-    articulation_sine,
+    articulation_direction,
     limits,
     neighbor_distance,
     neighbor_footprint,
@@ -57,6 +57,9 @@ class AvoidJack(NamedTuple):
 
 
 _TINY = 1e-12  # m, keeps the direction away from a HAV at the same place finite
+# What a HAV remembers: 1 + the number of the HAV being evaded, 0 for none; and while it decides:
+# the goal vector or the one away from that HAV; the sum of the jackknife weights.
+EVADED, FORWARD, LEFT, WEIGHT = range(4)
 
 
 @check_parameters.register
@@ -72,43 +75,69 @@ def _(policy: AvoidJack, scenario) -> None:
 
 @memory_size.register
 def _(policy: AvoidJack) -> int:
-    return 1  # 1 + the number of the HAV being evaded, 0 for none
+    return 4  # EVADED .. WEIGHT
 
 
-@act.register(AvoidJack)
-def avoid_jack(policy, memory, world, agent):
+@act_lanes.register(AvoidJack)
+def avoid_jack(policy, memory, world, agent, speed, steering):
     """Add goal attraction (or evasion) and jackknife repulsion, eqs. (jackknife-vector-...)."""
-    speed_max, steering_max, articulation_max = limits(world, agent)
-    cosine, sine = steering_direction(world, agent)
-    evaded = choose_evaded(policy, memory, world, agent)
-    if evaded >= 0:  # the goal vector is replaced by one away from the other HAV
-        forward, left = neighbor_position(world, agent, evaded)
+    _attract(policy, memory, world, agent)
+    if speed.shape[0] > 1:
+        for lane in range(world.lanes):
+            if not world.state.waiting[agent, lane]:
+                _evade(policy, memory, world, agent, lane)
+    _add_weights(policy, memory, world, agent)
+    for lane in range(world.lanes):
+        weight = memory[agent, WEIGHT, lane]
+        cosine, sine = articulation_direction(world, agent, 1, lane)
+        forward = memory[agent, FORWARD, lane] + weight * cosine
+        left = memory[agent, LEFT, lane] + weight * sine
+        speed_max, steering_max, articulation_max = limits(world, agent, lane)
+        cosine, sine = steering_direction(world, agent, lane)
+        safe = safe_speed(
+            policy.dt,
+            unit_length(world, agent, 0, lane),
+            unit_length(world, agent, 1, lane),
+            sine / cosine,
+            articulation_max,
+            policy.beta,
+        )
+        speed[agent, lane] = min(speed_max, safe)
+        steering[agent, lane] = clip(atan2(left, forward), -steering_max, steering_max)
+
+
+@kernel
+def _attract(policy, memory, world, agent):
+    """Set the goal vector m^g, Algorithm (goal_attraction)."""
+    for lane in range(world.lanes):
+        side = goal_attraction(policy.close_factor, policy.straight_below, world, agent, lane)
+        cosine, sine = steering_direction(world, agent, lane)
+        memory[agent, FORWARD, lane] = 1.0 if side == 0.0 else cosine
+        memory[agent, LEFT, lane] = side * sine
+
+
+@kernel
+def _evade(policy, memory, world, agent, lane):
+    """Replace the goal vector by one away from the HAV to be evaded, where there is one."""
+    evaded = choose_evaded(policy, memory, world, agent, lane)
+    if evaded >= 0:
+        forward, left = neighbor_position(world, agent, evaded, lane)
         distance = max(math.sqrt(forward * forward + left * left), _TINY)
-        forward, left = -forward / distance, -left / distance
-    else:
-        side = goal_attraction(policy.close_factor, policy.straight_below, world, agent)
-        forward, left = (cosine, side * sine) if side != 0.0 else (1.0, 0.0)
-    weight = jackknife_weights(policy, world, agent)
-    forward += weight * articulation_cosine(world, agent, 1)
-    left += weight * articulation_sine(world, agent, 1)
-    safe = safe_speed(
-        policy.dt,
-        unit_length(world, agent, 0),
-        unit_length(world, agent, 1),
-        sine / cosine,
-        articulation_max,
-        policy.beta,
-    )
-    return min(speed_max, safe), clip(math.atan2(left, forward), -steering_max, steering_max)
+        memory[agent, FORWARD, lane] = -forward / distance
+        memory[agent, LEFT, lane] = -left / distance
 
 
-@world_kernel
-def jackknife_weights(policy, world, agent):
-    """Return the sum over all joints of the jackknife weight."""
-    weight = 0.0
-    for joint in range(1, num_trailers(world, agent) + 1):
-        weight += jackknife_weight(policy, articulation_cosine(world, agent, joint))
-    return weight
+@kernel
+def _add_weights(policy, memory, world, agent):
+    """Sum the jackknife weights over all joints."""
+    weights = memory[agent, WEIGHT]
+    for lane in range(world.lanes):
+        weights[lane] = 0.0
+    for joint in range(1, world.units):
+        for lane in range(world.lanes):
+            cosine, _ = articulation_direction(world, agent, joint, lane)
+            weight = jackknife_weight(policy, cosine)
+            weights[lane] += weight if joint <= num_trailers(world, agent, lane) else 0.0
 
 
 @kernel
@@ -117,7 +146,7 @@ def jackknife_weight(policy, cosine):
 
     Written as 2 / (1 + exp(-2 z)), which is the same and takes one exponential.
     """
-    return 2.0 / (1.0 + math.exp(2.0 * (policy.c * cosine - policy.b)))
+    return 2.0 / (1.0 + exp(2.0 * (policy.c * cosine - policy.b)))
 
 
 @kernel
@@ -131,20 +160,21 @@ def safe_speed(dt, truck, trailer, steering_tangent, articulation_max, beta):
         steering_tangent: tan(phi^max).
         articulation_max, beta: delta^max and the threshold [rad].
     """
-    rate = abs(math.sin(beta) / trailer + steering_tangent / truck)
+    sine, _ = sincos(beta)
+    rate = abs(sine / trailer + steering_tangent / truck)
     return (articulation_max - beta) / (dt * rate)
 
 
-@world_kernel
-def choose_evaded(policy, memory, world, agent):
+@kernel
+def choose_evaded(policy, memory, world, agent, lane):
     """Return which neighbour to evade, -1 for none, and remember the HAV."""
-    before, chosen, deepest = memory[agent, 0] - 1.0, -1, 0.0
-    for k in range(num_neighbors(world, agent)):
-        start = own_footprint(world, agent) + neighbor_footprint(world, agent, k)
-        trucks = unit_length(world, agent, 0) + neighbor_length(world, agent, k, 0)
+    before, chosen, deepest = memory[agent, EVADED, lane] - 1.0, -1, 0.0
+    for k in range(num_neighbors(world, agent, lane)):
+        start = own_footprint(world, agent, lane) + neighbor_footprint(world, agent, k, lane)
+        trucks = unit_length(world, agent, 0, lane) + neighbor_length(world, agent, k, 0, lane)
         start += policy.evasion_truck_share * trucks
-        known = neighbor_id(world, agent, k) == before
-        depth = start - neighbor_distance(world, agent, k)
+        known = neighbor_id(world, agent, k, lane) == before
+        depth = start - neighbor_distance(world, agent, k, lane)
         if known and depth >= start * (1.0 - policy.evasion_release):
             if policy.keep_first:
                 chosen = k
@@ -152,5 +182,6 @@ def choose_evaded(policy, memory, world, agent):
             depth = max(depth, 0.0)
         if depth >= deepest:
             chosen, deepest = k, depth
-    memory[agent, 0] = 0.0 if chosen < 0 else neighbor_id(world, agent, chosen) + 1.0
+    number = 0.0 if chosen < 0 else neighbor_id(world, agent, chosen, lane) + 1.0
+    memory[agent, EVADED, lane] = number
     return chosen

@@ -1,40 +1,75 @@
 """What a policy is: a NamedTuple of parameters, and a kernel that acts on what one HAV senses."""
 
 import functools
+from collections.abc import Callable
 
 import numpy as np
 
 from hav_env import Batch
-from hav_env.compiled import canonical, entry, generic, world_kernel
-from hav_env.world import world_at
+from hav_env.batch import LANES
+from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
+from hav_env.world import block_of
 
 
 @generic
-def act(policy, memory, world, agent):
+def act(policy, memory, world, agent, lane):
     """Decide what one HAV does in this step: return speed [m/s] and steering [rad].
+
+    This is what a policy registers. One whose loops over units or neighbours should run several
+    worlds at once registers with ``act_lanes`` instead.
 
     Args:
         policy: the parameters; their type selects the kernel.
-        memory: (N, K), row ``agent`` is the HAV's own. It belongs to whoever runs the episode and
-            is zero at its beginning.
-        world, agent: to be read through ``hav_env.sensing`` only.
+        memory: (N, K, W); ``memory[agent, :, lane]`` is the HAV's own. It belongs to whoever runs
+            the episode and is zero at its beginning.
+        world, agent, lane: to be read through ``hav_env.sensing`` only.
     """
 
 
-@world_kernel
+@generic
+def act_lanes(policy, memory, world, agent, speed, steering):
+    """Decide for one HAV in every lane of a block of worlds.
+
+    What is decided for HAVs that wait is ignored; their memory must not change.
+
+    Args:
+        policy, memory, world, agent: as for ``act``.
+        speed: (N, W) [m/s] and steering: (N, W) [rad], of which row ``agent`` is to be written.
+    """
+
+
+@act_lanes.otherwise
+def act_one_by_one(policy, memory, world, agent, speed, steering):
+    """Ask a policy that is registered with ``act`` in lane after lane."""
+    for lane in range(world.lanes):
+        if not world.state.waiting[agent, lane]:
+            speed[agent, lane], steering[agent, lane] = act(policy, memory, world, agent, lane)
+
+
+@kernel
 def act_all(policy, memory, world, speed, steering):
-    """Let every HAV of a world decide, (N,) each; one that waits at its goal is not asked."""
-    for agent in range(speed.shape[0]):
-        speed[agent], steering[agent] = 0.0, 0.0
-        if not world.state.waiting[agent]:
-            speed[agent], steering[agent] = act(policy, memory, world, agent)
+    """Let every HAV of a block of worlds decide, (N, W) each: zero for one that waits."""
+    for hav in range(speed.shape[0]):
+        agent = fixed(hav)
+        act_lanes(policy, memory, world, agent, speed, steering)
+        for lane in range(world.lanes):
+            waits = world.state.waiting[agent, lane]
+            speed[agent, lane] = 0.0 if waits else speed[agent, lane]
+            steering[agent, lane] = 0.0 if waits else steering[agent, lane]
 
 
 @entry
 def act_worlds(first, last, policy, memory, worlds, speed, steering):
-    """Let every HAV of a range of worlds decide."""
-    for w in range(first, last):
-        act_all(policy, memory[:, :, w], world_at(worlds, w), speed[:, w], steering[:, w])
+    """Let every HAV of a range of worlds decide, block by block."""
+    for start in range(first, last, LANES):
+        block = block_of(worlds, start, min(LANES, last - start), worlds.units)
+        act_all(
+            policy,
+            lanes_from(memory, start),
+            block,
+            lanes_from(speed, start),
+            lanes_from(steering, start),
+        )
 
 
 def require_at_least(policy, least: float, fields: tuple[str, ...]) -> None:
@@ -56,6 +91,11 @@ def allocate_memory(policy, num_havs: int, num_worlds: int) -> np.ndarray:
     return np.zeros((num_havs, memory_size(policy), num_worlds))
 
 
+def find_kernel(model_class: type) -> Callable | None:
+    """Return the kernel that a class of policies is registered with, None if it is no policy."""
+    return act.table.get(model_class) or act_lanes.table.get(model_class)
+
+
 def check_policy(policy, scenario) -> None:
     """Check a policy before it is used in a scenario.
 
@@ -63,7 +103,7 @@ def check_policy(policy, scenario) -> None:
         TypeError: when its type has no kernel.
         ValueError: when a parameter is not a finite number, or not allowed by its policy.
     """
-    if type(policy) not in act.table:
+    if find_kernel(type(policy)) is None:
         raise TypeError(f"{policy!r} is not a policy: register its type with act")
     for field, value in policy._asdict().items():
         if not np.isfinite(value).all():

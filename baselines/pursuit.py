@@ -1,12 +1,11 @@
 """Goal attraction alone: the paper's Algorithm 1 as a policy, blind to trailers and neighbours."""
 
-import math
 from typing import NamedTuple
 
 from baselines.policy import act, check_parameters, require_at_least
-from hav_env.compiled import kernel, world_kernel
-from hav_env.dubins import TURNS, shortest_path_towards
-from hav_env.sensing import goal_pose, limits, stable_radius, unit_length
+from hav_env.compiled import kernel
+from hav_env.dubins import shortest_path_towards, turns
+from hav_env.sensing import goal_direction, goal_pose, limits, stable_radius, unit_length
 
 
 class DubinsPursuit(NamedTuple):
@@ -24,15 +23,15 @@ def _(policy: DubinsPursuit, scenario) -> None:
 
 
 @act.register(DubinsPursuit)
-def pursue(policy, memory, world, agent):
+def pursue(policy, memory, world, agent, lane):
     """Drive at full speed along the goal attraction."""
-    speed, steering_max, _ = limits(world, agent)
-    side = goal_attraction(policy.close_factor, policy.straight_below, world, agent)
+    speed, steering_max, _ = limits(world, agent, lane)
+    side = goal_attraction(policy.close_factor, policy.straight_below, world, agent, lane)
     return speed, side * steering_max
 
 
-@world_kernel
-def goal_attraction(close_factor, straight_below, world, agent):
+@kernel
+def goal_attraction(close_factor, straight_below, world, agent, lane):
     """Return the side to which the path to the goal starts, Algorithm (goal_attraction).
 
     Far from the goal the path leads to the approach point P^A, one truck length before the goal,
@@ -42,25 +41,22 @@ def goal_attraction(close_factor, straight_below, world, agent):
     Returns:
         1.0 for left, -1.0 for right, 0.0 for straight ahead.
     """
-    forward, left, heading = goal_pose(world, agent)
-    truck = unit_length(world, agent, 0)
-    close = close_factor * truck
-    radius = truck
-    cosine, sine = math.cos(heading), math.sin(heading)
-    if forward * forward + left * left >= close * close:
-        forward -= truck * cosine
-        left -= truck * sine
-        radius = stable_radius(world, agent)
-    word, first, second, third = shortest_path_towards(forward, left, heading, cosine, sine, radius)
+    forward, left, heading = goal_pose(world, agent, lane)
+    cosine, sine = goal_direction(world, agent, lane)
+    truck = unit_length(world, agent, 0, lane)
+    close = forward * forward + left * left < close_factor * truck * (close_factor * truck)
+    before = 0.0 if close else truck
+    radius = truck if close else stable_radius(world, agent, lane)
+    word, first, second, third = shortest_path_towards(
+        forward - before * cosine, left - before * sine, heading, cosine, sine, radius
+    )
     return first_side(straight_below, word, first, second, third)
 
 
 @kernel
 def first_side(straight_below, word, first, second, third):
     """Return the side of the first segment [m] of a Dubins path that is not negligible."""
-    turns = TURNS[word]
-    if first >= straight_below:
-        return float(turns[0])
-    if second >= straight_below:
-        return float(turns[1])
-    return float(turns[2]) if third >= straight_below else 0.0
+    sides = turns(word)
+    side = sides[2] if third >= straight_below else 0.0
+    side = sides[1] if second >= straight_below else side
+    return sides[0] if first >= straight_below else side

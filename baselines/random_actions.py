@@ -20,10 +20,10 @@ def _(policy: Random, scenario) -> None:
 
 
 @act.register(Random)
-def act_randomly(policy, memory, world, agent):
+def act_randomly(policy, memory, world, agent, lane):
     """Draw an action; the same episode and step give the same one."""
-    speed_max, steering_max, _ = limits(world, agent)
-    seed, episode, step = episode_key(world)
+    speed_max, steering_max, _ = limits(world, agent, lane)
+    seed, episode, step = episode_key(world, lane)
     stream, draw = agent + 1, 2 * (step // policy.hold)  # stream 0 is the scenario's
     speed = speed_max * uniform(seed, episode, stream, draw)
     return speed, steering_max * (2.0 * uniform(seed, episode, stream, draw + 1) - 1.0)

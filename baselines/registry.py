@@ -4,7 +4,7 @@ import importlib
 import pathlib
 
 from baselines.avoid_jack import AvoidJack
-from baselines.policy import act
+from baselines.policy import find_kernel
 from baselines.pursuit import DubinsPursuit
 from baselines.random_actions import Random
 from hav_env import Explicit, RandomPoses, load_explicit
@@ -38,7 +38,7 @@ def find_policy(name: str) -> type:
         found = getattr(importlib.import_module(module_name), class_name)
     except (ImportError, AttributeError) as error:
         raise ValueError(f"cannot load policy {name!r}: {error}") from None
-    if found not in act.table:
+    if find_kernel(found) is None:
         raise ValueError(f"{name!r} is not a policy: register it with act.register")
     return found
 

@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 
 import hav_env
 from baselines.files import whole_file, write_text
-from baselines.policy import act, check_policy
+from baselines.policy import check_policy, find_kernel
 from baselines.rollout import rollout
 from hav_env import Task
 from hav_env.batch import check_seed
@@ -129,7 +129,7 @@ def describe(experiments: Experiments) -> dict:
             }
         return value.tolist() if isinstance(value, np.ndarray) else value
 
-    code = act.table[type(experiments.policy)], run_experiments, source_digest
+    code = find_kernel(type(experiments.policy)), run_experiments, source_digest
     return {
         **{field: plain(value) for field, value in experiments._asdict().items()},
         "hav_env": hav_env.__version__,

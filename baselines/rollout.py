@@ -8,22 +8,76 @@ import pyarrow as pa
 from baselines.metrics import tabulate
 from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
-from hav_env.compiled import canonical, entry, run_on_threads
+from hav_env.batch import LANES
+from hav_env.compiled import canonical, default_threads, entry, kernel, run_on_threads
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
-from hav_env.world import world_at
+from hav_env.world import allocate_worlds, block_of, copy_lane, copy_world
 
-_BLOCK = 32  # HAVs in the worlds that a thread takes at a time
+_SHARES = 4  # of each thread
+_FEWEST = 64  # episodes that are worth a share
+_VECTOR = 16  # lanes that are worked on in whole vectors: idle ones cost less than odd ones
 
 
 @entry
-def rollout_worlds(first, last, policy, task, vehicle, worlds, memory, speed, steering):
-    """Run the episode that has begun in each of a range of worlds to its end."""
-    for w in range(first, last):
-        world = world_at(worlds, w)
-        while not ended(task, world):
-            act_all(policy, memory[:, :, w], world, speed[:, w], steering[:, w])
-            step(task, vehicle, world, speed[:, w], steering[:, w])
+def rollout_worlds(
+    first, last, policy, task, vehicle, worlds, order, stage, places, memory, speed, steering
+):
+    """Run the episodes that have begun in ``worlds[order[first:last]]`` to their ends.
+
+    They take turns in the lanes of the stage: a lane whose episode ended takes the next one, and
+    when there is none, the last lane moves into its place.
+
+    Args:
+        policy, task, vehicle: as in ``rollout``.
+        worlds: all episodes, each in its place; what happened in them is written back there.
+        order: (W,) in which order they are run.
+        stage: the worlds that are run at a time; places: (W,) whose episodes they are.
+        memory, speed, steering: of the stage.
+    """
+    waiting, active = first, 0
+    while waiting < last and active < stage.lanes:
+        _enter(worlds, order[waiting], stage, active, places, memory)
+        waiting, active = waiting + 1, active + 1
+    units = _longest(stage, active)
+    while active > 0:
+        lanes = min((active + _VECTOR - 1) // _VECTOR * _VECTOR, stage.lanes)
+        block = block_of(stage, 0, lanes, units)
+        act_all(policy, memory, block, speed, steering)
+        if step(task, vehicle, block, speed, steering) == 0:
+            continue
+        lane = 0
+        while lane < active:
+            if not ended(task, stage, lane):
+                lane += 1
+                continue
+            copy_world(stage, lane, worlds, places[lane])
+            if waiting < last:
+                _enter(worlds, order[waiting], stage, lane, places, memory)
+                waiting += 1
+            else:
+                active -= 1
+                copy_world(stage, active, stage, lane)
+                places[lane] = places[active]
+                copy_lane(memory, active, memory, lane)
+        units = _longest(stage, active)
+
+
+@kernel
+def _enter(worlds, place, stage, lane, places, memory):
+    copy_world(worlds, place, stage, lane)
+    places[lane] = place
+    memory[..., lane] = 0.0
+
+
+@kernel
+def _longest(stage, active):
+    """Return how many units the longest HAV on the stage has."""
+    longest = 0
+    for agent in range(stage.state.x.shape[0]):
+        for lane in range(active):
+            longest = max(longest, stage.fleet.num_trailers[agent, lane])
+    return longest + 1
 
 
 def rollout(
@@ -53,28 +107,41 @@ def rollout(
     check_policy(policy, scenario)
     if len(episodes) == 0:
         raise ValueError("episodes is empty, but must hold at least one number")
-    policy = canonical(policy)
-    size = max(1, _BLOCK // max(1, scenario.num_havs))
-    blocks = [episodes[first : first + size] for first in range(0, len(episodes), size)]
-    roll = functools.partial(_roll, policy, scenario, seed, task, vehicle)
-    return pa.concat_tables(run_on_threads(roll, blocks, threads)).combine_chunks()
-
-
-def _roll(policy, scenario, seed: int, task: Task, vehicle, episodes: np.ndarray) -> pa.Table:
-    """Run the episodes of one block, on this thread."""
-    batch = Batch(scenario, len(episodes), task, vehicle, threads=1)
+    batch = Batch(scenario, len(episodes), task, vehicle, threads)
     batch.reset(seed, episodes)
     state = batch.worlds.state
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
-    num_havs, num_worlds = state.x.shape
+    # HAVs of like length share a block: its loops over units reach to the longest
+    order = np.argsort(batch.worlds.fleet.num_trailers.max(axis=0), kind="stable")
+    roll = functools.partial(_roll, canonical(policy), batch)
+    run_on_threads(roll, _shares(order, threads or default_threads()), threads)
+    return tabulate(batch.worlds, start, policy)
+
+
+def _shares(order: np.ndarray, threads: int) -> list[np.ndarray]:
+    """Divide episodes among threads, in shares small enough that none waits long for another."""
+    size = max(_FEWEST, -(-len(order) // (_SHARES * threads)))
+    return [order[first : first + size] for first in range(0, len(order), size)]
+
+
+def _roll(policy, batch: Batch, order: np.ndarray) -> None:
+    """Run the episodes of one share to their ends, on this thread.
+
+    The stage is the thread's own: threads that write side by side would wait for each other.
+    """
+    num_havs, num_goals, _, _ = batch.worlds.goals.shape
+    lanes = min(len(order), max(_VECTOR, LANES // num_havs))
+    stage = allocate_worlds(lanes, num_havs, batch.worlds.units, num_goals)
     rollout_worlds(
-        num_worlds,
+        len(order),
         policy,
         batch.task,
         batch.vehicle,
         batch.worlds,
-        allocate_memory(policy, num_havs, num_worlds),
-        *np.zeros((2, num_havs, num_worlds)),
+        order,
+        stage,
+        np.zeros(lanes, np.int64),
+        allocate_memory(policy, num_havs, lanes),
+        *np.zeros((2, num_havs, lanes)),
         threads=1,
     )
-    return tabulate(batch.worlds, start, policy)

@@ -17,11 +17,12 @@ class SlowDown(NamedTuple):
 
 
 @act.register(SlowDown)
-def slow_down(policy, memory, world, agent):
+def slow_down(policy, memory, world, agent, lane):
     """Weigh the steering with the smallest cosine of an articulation."""
-    speed, steering_max, _ = sensing.limits(world, agent)
+    speed, steering_max, _ = sensing.limits(world, agent, lane)
     straightness = 1.0
-    for joint in range(1, sensing.num_trailers(world, agent) + 1):
-        straightness = min(straightness, sensing.articulation_cosine(world, agent, joint))
-    side = goal_attraction(policy.close_factor, 1e-3, world, agent)
+    for joint in range(1, sensing.num_trailers(world, agent, lane) + 1):
+        cosine, _ = sensing.articulation_direction(world, agent, joint, lane)
+        straightness = min(straightness, cosine)
+    side = goal_attraction(policy.close_factor, 1e-3, world, agent, lane)
     return speed, side * steering_max * max(straightness, 0.0)

@@ -4,27 +4,30 @@ import numbers
 
 import numpy as np
 
-from hav_env.compiled import canonical, entry
+from hav_env.compiled import canonical, entry, lanes_from
 from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.task import Task, check_task
 from hav_env.transition import begin, step
 from hav_env.vehicles import OnAxle, check_vehicle
-from hav_env.world import STEP, World, allocate_worlds, world_at
+from hav_env.world import STEP, World, allocate_worlds, block_of, view_of
+
+LANES = 128  # worlds of a block: what a step reads and writes then stays in the nearest caches
 
 
 @entry
 def begin_worlds(first, last, scenario, task, worlds, seed, episodes, placed):
     """Start an episode in each of a range of worlds."""
     for w in range(first, last):
-        placed[w] = begin(scenario, task, world_at(worlds, w), seed, episodes[w])
+        placed[w] = begin(scenario, task, worlds, w, seed, episodes[w])
 
 
 @entry
 def step_worlds(first, last, task, vehicle, worlds, speed, steering):
-    """Advance each of a range of worlds by one step."""
-    for w in range(first, last):
-        step(task, vehicle, world_at(worlds, w), speed[:, w], steering[:, w])
+    """Advance a range of worlds by one step, block by block."""
+    for start in range(first, last, LANES):
+        block = block_of(worlds, start, min(LANES, last - start), worlds.units)
+        step(task, vehicle, block, lanes_from(speed, start), lanes_from(steering, start))
 
 
 class Batch:
@@ -130,7 +133,7 @@ class Batch:
 
     def world(self, w: int) -> World:
         """Return the view of one world: the arrays without their last axis."""
-        return getattr(world_at, "py_func", world_at)(self.worlds, w)
+        return view_of(self.worlds, w)
 
     @property
     def ended(self) -> np.ndarray:

@@ -1,8 +1,8 @@
 """How the project compiles: the only module that imports Numba.
 
-Three tiers. A ``kernel`` is compiled where it is used: scalar (floats in, floats out) or on one
-world. A ``generic`` picks a kernel by the type of a model. An ``entry`` is a loop over worlds that
-Python calls: it alone is cached on disk, and its worlds are spread over threads.
+Three tiers. A ``kernel`` is compiled into its callers: scalar (floats in, floats out) or a loop
+over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of a model. An
+``entry`` is what Python calls: it alone is cached on disk, its worlds are spread over threads.
 """
 
 import concurrent.futures
@@ -11,13 +11,21 @@ import hashlib
 import logging
 import os
 import pathlib
+import struct
 import tempfile
 import threading
+import weakref
 from collections.abc import Callable, Iterable
 from typing import Any
 
 import numba
-from numba.extending import overload
+from llvmlite import ir
+from numba.core import cgutils
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.untyped_passes import IRProcessing
+from numba.extending import lower_builtin, overload, type_callable
 
 _log = logging.getLogger(__name__)
 _sources: set[pathlib.Path] = set()  # packages and files whose code ends up in compiled loops
@@ -26,52 +34,179 @@ _SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
 # most of the time. A kernel must therefore not return an array to Python.
 _OPTIONS = {"error_model": "numpy", "nogil": True, "_nrt": False}
-_INLINED = _OPTIONS | {"forceinline": True}
+
+
+class _Part(JITCodeLibrary):
+    """The code of one kernel: linked into entries, and optimised and made executable there only.
+
+    Numba would do both for every kernel, with all that it calls: five times the work.
+    """
+
+    def _optimize_final_module(self):
+        pass
+
+    def _finalize_final_module(self):
+        self._finalize_dynamic_globals()
+        self._final_module.__library = weakref.proxy(self)
+        self._finalized = True
+
+    def get_pointer_to_function(self, name):
+        return 0
+
+    @property
+    def codegen(self):
+        return self  # Numba asks it for ``set_env`` alone
+
+    def set_env(self, name, environment):
+        pass
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class _KeepAsPart(AnalysisPass):
+    _name = "keep_as_part"
+
+    def __init__(self):
+        super().__init__()
+
+    def run_pass(self, state):
+        state.library = _Part(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        return False
+
+
+class _PartCompiler(CompilerBase):
+    """Numba's compiler, but for where the code goes."""
+
+    def define_pipelines(self):
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(_KeepAsPart, IRProcessing)
+        passes.finalize()
+        return [passes]
+
+
+_CALLED = _OPTIONS | {
+    "pipeline_class": _PartCompiler,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+_INLINED = _CALLED | {"forceinline": True}
 
 
 def kernel(function: Callable) -> Callable:
-    """Compile a function of floats. Not cached: the entry that calls it is."""
-    _note_sources(function)
-    return numba.njit(**_OPTIONS)(function)
+    """Let a function be compiled into the kernels and entries that call it.
 
-
-def world_kernel(function: Callable) -> Callable:
-    """Compile a function of one world into its callers.
-
-    A world is twenty arrays; handing them over would take longer than most rules work on them.
-    The inlining is LLVM's: Numba's own (``inline="always"``) miscompiles returns out of loops.
+    It stays what it is when Python calls it. Loops over lanes run several worlds at once only if
+    all that they call is inlined and free of branches. The inlining is LLVM's: Numba's own
+    (``inline="always"``) compiles ten times as long and miscompiles returns out of loops.
     """
     _note_sources(function)
-    return numba.njit(**_INLINED)(function)
+    overload(function, strict=False, jit_options=_INLINED)(lambda *args: function)
+    return function
+
+
+def rare_kernel(function: Callable) -> Callable:
+    """Let a function be compiled, but called: what seldom happens need not be repeated."""
+    _note_sources(function)
+    overload(function, strict=False, jit_options=_CALLED)(lambda *args: function)
+    return function
 
 
 def generic(stub: Callable) -> Any:
     """``functools.singledispatch`` for kernels: the type of the first argument picks the code.
 
     Register a kernel with ``@stub.register(ModelClass)``; ``stub.table`` maps classes to kernels.
-    The choice is made when a caller is compiled, so it costs nothing when it runs.
+    ``@stub.otherwise`` is for all other classes. The choice is made when a caller is compiled, so
+    it costs nothing when it runs.
     """
     table: dict[type, Callable] = {}
+    others: list[Callable] = []
+
+    def find(model_class: Any) -> Any:
+        return table.get(model_class) or (others[-1] if others else None)
 
     def dispatch(model, *args):
-        return table[type(model)](model, *args)
+        return find(type(model))(model, *args)
 
     def choose(model, *args):
-        chosen = table.get(getattr(model, "instance_class", object))
-        return chosen and getattr(chosen, "py_func", chosen)
+        return find(getattr(model, "instance_class", object))
 
     def register(model_class: type) -> Callable:
         def decorate(function: Callable) -> Callable:
-            table[model_class] = world_kernel(function)
-            return table[model_class]
+            _note_sources(function)
+            table[model_class] = function
+            return function
 
         return decorate
+
+    def otherwise(function: Callable) -> Callable:
+        _note_sources(function)
+        others.append(function)
+        return function
 
     functools.update_wrapper(dispatch, stub)
     del dispatch.__wrapped__  # type: ignore[attr-defined]  # Numba would read the stub's signature
     dispatch.register, dispatch.table = register, table  # type: ignore[attr-defined]
+    dispatch.otherwise = otherwise  # type: ignore[attr-defined]
     overload(dispatch, strict=False, jit_options=_INLINED)(choose)
     return dispatch
+
+
+def bits_of(value):
+    """Return the 64 bits of a float as a signed whole number."""
+    return struct.unpack("<q", struct.pack("<d", value))[0]
+
+
+def float_of(bits):
+    """Return the float that has these 64 bits."""
+    return struct.unpack("<d", struct.pack("<q", bits))[0]
+
+
+def lanes_from(array, first):
+    """Return ``array[..., first:]``, whose last axis compiled code knows to be contiguous.
+
+    Compiled, only the address moves on: the shape stays, and the lanes that it has too many must
+    not be touched.
+    """
+    return array[..., first:]
+
+
+def fixed(row):
+    """Return the row of an array that the lane loops inside are to work on.
+
+    Compiled, they take it as given. Otherwise LLVM tests once for all rounds of the loop outside
+    whether what is written overlaps what is read; the rows of one array together do, and it would
+    work on one lane at a time.
+    """
+    return row
+
+
+type_callable(bits_of)(lambda context: lambda value: numba.int64)
+type_callable(float_of)(lambda context: lambda bits: numba.float64)
+type_callable(lanes_from)(lambda context: lambda array, first: array)
+type_callable(fixed)(lambda context: lambda row: numba.int64)
+
+
+@lower_builtin(bits_of, numba.types.Float)
+def _lower_bits_of(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], ir.IntType(64))
+
+
+@lower_builtin(float_of, numba.types.Integer)
+def _lower_float_of(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], ir.DoubleType())
+
+
+@lower_builtin(lanes_from, numba.types.Array, numba.types.Integer)
+def _lower_lanes_from(context, builder, signature, arguments):
+    view = cgutils.create_struct_proxy(signature.args[0])(context, builder, arguments[0])
+    view.data = builder.gep(view.data, [arguments[1]])
+    return view._getvalue()
+
+
+@lower_builtin(fixed, numba.types.Integer)
+def _lower_fixed(context, builder, signature, arguments):
+    word = ir.IntType(64)
+    return builder.asm(ir.FunctionType(word, [word]), "", "=r,0", arguments, side_effect=False)
 
 
 def entry(function: Callable) -> Callable:
@@ -154,7 +289,7 @@ def _note_sources(function: Callable) -> None:
 
 def source_of(function: Any) -> pathlib.Path:
     """Return the outermost package that a function or kernel belongs to, or its file if in none."""
-    path = pathlib.Path(getattr(function, "py_func", function).__code__.co_filename)
+    path = pathlib.Path(function.__code__.co_filename)
     while (path.parent / "__init__.py").exists():
         path = path.parent
     return path

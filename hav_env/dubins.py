@@ -4,19 +4,30 @@ Everything is in the frame of the start pose, where the path is a function of th
 left, heading) and the radius alone. A path is one of six words of three segments. The words of
 Dubins (1957) follow here from the centres of the start's and the goal's circles: an outer tangent
 (LSL, RSR), an inner tangent (LSR, RSL) or a third circle that touches both (RLR, LRL).
+
+Nothing here branches: all six words are worked out, and selections take the shortest. So loops over
+lanes may call it.
 """
 
 import math
 
 from hav_env.compiled import kernel
+from hav_env.elementary import atan2, sincos
 from hav_env.geometry import TWO_PI, wrap
 
 LSL, RSR, LSR, RSL, RLR, LRL = range(6)
 WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
-# The side of each segment of each word: 1 left, -1 right, 0 straight.
-TURNS = ((1, 0, 1), (-1, 0, -1), (1, 0, -1), (-1, 0, 1), (-1, 1, -1), (1, -1, 1))
 INFEASIBLE = math.inf
 _ROUNDING = 1e-12  # what rounding leaves of a zero angle [rad] or tangent [radii]
+
+
+@kernel
+def turns(word):
+    """Return the side of each segment of a word: 1.0 left, -1.0 right, 0.0 straight."""
+    first = 1.0 if (word == LSL) | (word == LSR) | (word == LRL) else -1.0
+    middle = -first if word >= RLR else 0.0
+    last = -first if (word == LSR) | (word == RSL) else first
+    return first, middle, last
 
 
 @kernel
@@ -36,9 +47,9 @@ def _turn_angle(angle):
 def _outer_tangent(across_x, across_y, heading):
     """Two left turns joined by a straight: the circles' centres lie ``across`` from each other."""
     straight = math.sqrt(across_x * across_x + across_y * across_y)
-    if straight < _ROUNDING:  # start and goal on one circle: the first turn does it all
-        return _turn_angle(heading), 0.0, 0.0
-    first = _turn_angle(math.atan2(across_y, across_x))
+    towards = atan2(across_y, across_x)
+    # start and goal on one circle: the first turn does it all
+    first = _turn_angle(heading if straight < _ROUNDING else towards)
     return first, straight, _turn_angle(heading - first)
 
 
@@ -46,16 +57,12 @@ def _outer_tangent(across_x, across_y, heading):
 def _inner_tangent(across_x, across_y, heading):
     """A left turn, a straight that changes sides, a right turn."""
     squared = across_x * across_x + across_y * across_y - 4.0
-    if squared < -_ROUNDING:
-        return INFEASIBLE, 0.0, 0.0
     straight = math.sqrt(max(squared, 0.0))  # circles that touch: no straight between them
     first = _turn_angle(
-        math.atan2(
-            across_y * straight + 2.0 * across_x,
-            across_x * straight - 2.0 * across_y,
-        )
+        atan2(across_y * straight + 2.0 * across_x, across_x * straight - 2.0 * across_y)
     )
-    return first, straight, _turn_angle(first - heading)
+    last = _turn_angle(first - heading)
+    return INFEASIBLE if squared < -_ROUNDING else first, straight, last
 
 
 @kernel
@@ -65,12 +72,11 @@ def _third_circle(towards, across, heading):
     The centres of the start's and the goal's left circle are those of the word LSL: ``across``
     from each other [radii], ``towards`` the direction from one to the other.
     """
-    squared = across * across
-    if squared > 16.0:
-        return INFEASIBLE, 0.0, 0.0
-    middle = TWO_PI - 2.0 * math.atan2(across, math.sqrt(16.0 - squared))
+    left_over = 16.0 - across * across
+    middle = TWO_PI - 2.0 * atan2(across, math.sqrt(max(left_over, 0.0)))
     first = _turn_angle(towards + 0.5 * middle)
-    return first, middle, _turn_angle(heading - first + middle)
+    last = _turn_angle(heading - first + middle)
+    return INFEASIBLE if left_over < 0.0 else first, middle, last
 
 
 @kernel
@@ -80,9 +86,9 @@ def word_segments(word, forward, left, heading, radius):
     A word that starts to the right is the mirror image of one that starts to the left. The first
     segment is ``INFEASIBLE`` when the word does not reach the goal.
     """
-    side = 1.0 if word in (LSL, LSR, LRL) else -1.0
+    side, _, _ = turns(word)
     x, y, heading = forward / radius, side * left / radius, side * wrap(heading)
-    sine, cosine = math.sin(heading), math.cos(heading)
+    sine, cosine = sincos(heading)
     if word in (LSR, RSL):
         return _inner_tangent(x + sine, y - cosine - 1.0, heading)
     first, straight, last = _outer_tangent(x - sine, y + cosine - 1.0, heading)
@@ -105,8 +111,21 @@ def shortest_path(forward, left, heading, radius):
         segments [m]. Equally short words: the first one in the order of ``WORDS``.
     """
     heading = wrap(heading)
-    return shortest_path_towards(
-        forward, left, heading, math.cos(heading), math.sin(heading), radius
+    sine, cosine = sincos(heading)
+    return shortest_path_towards(forward, left, heading, cosine, sine, radius)
+
+
+@kernel
+def _shorter(path, word, segments):
+    """Return (word, first, second, third) of the shorter one; when equal, of the path."""
+    best, first, second, third = path
+    a, b, c = segments
+    better = a + b + c < first + second + third
+    return (
+        word if better else best,
+        a if better else first,
+        b if better else second,
+        c if better else third,
     )
 
 
@@ -114,25 +133,15 @@ def shortest_path(forward, left, heading, radius):
 def shortest_path_towards(forward, left, heading, cosine, sine, radius):
     """Return ``shortest_path`` to a heading in [-pi, pi) whose cosine and sine are known."""
     x, y = forward / radius, left / radius
-    left_first, left_across, left_last = _outer_tangent(x - sine, y + cosine - 1.0, heading)
-    right_first, right_across, right_last = _outer_tangent(x + sine, cosine - y - 1.0, -heading)
-    word, first, second, third = LSL, left_first, left_across, left_last
-    shortest = first + second + third
-    a, b, c = right_first, right_across, right_last
-    if a + b + c < shortest:
-        word, first, second, third, shortest = RSR, a, b, c, a + b + c
-    a, b, c = _inner_tangent(x + sine, y - cosine - 1.0, heading)
-    if a + b + c < shortest:
-        word, first, second, third, shortest = LSR, a, b, c, a + b + c
-    a, b, c = _inner_tangent(x - sine, -y - cosine - 1.0, -heading)
-    if a + b + c < shortest:
-        word, first, second, third, shortest = RSL, a, b, c, a + b + c
-    a, b, c = _third_circle(right_first, right_across, -heading)
-    if a + b + c < shortest:
-        word, first, second, third, shortest = RLR, a, b, c, a + b + c
-    a, b, c = _third_circle(left_first, left_across, heading)
-    if a + b + c < shortest:
-        word, first, second, third = LRL, a, b, c
+    left_turns = _outer_tangent(x - sine, y + cosine - 1.0, heading)
+    right_turns = _outer_tangent(x + sine, cosine - y - 1.0, -heading)
+    path = LSL, left_turns[0], left_turns[1], left_turns[2]
+    path = _shorter(path, RSR, right_turns)
+    path = _shorter(path, LSR, _inner_tangent(x + sine, y - cosine - 1.0, heading))
+    path = _shorter(path, RSL, _inner_tangent(x - sine, -y - cosine - 1.0, -heading))
+    path = _shorter(path, RLR, _third_circle(right_turns[0], right_turns[1], -heading))
+    path = _shorter(path, LRL, _third_circle(left_turns[0], left_turns[1], heading))
+    word, first, second, third = path
     return word, first * radius, second * radius, third * radius
 
 
@@ -146,13 +155,13 @@ def path_length(forward, left, heading, radius):
 @kernel
 def _advance(x, y, heading, turn, length, radius):
     """Drive one segment: a straight, or an arc to the side ``turn``."""
-    if turn == 0:
-        return x + length * math.cos(heading), y + length * math.sin(heading), heading
+    sine, cosine = sincos(heading)
+    if turn == 0.0:
+        return x + length * cosine, y + length * sine, heading
     turned = heading + turn * length / radius
+    sine_then, cosine_then = sincos(turned)
     side = turn * radius
-    x += side * (math.sin(turned) - math.sin(heading))
-    y -= side * (math.cos(turned) - math.cos(heading))
-    return x, y, turned
+    return x + side * (sine_then - sine), y - side * (cosine_then - cosine), turned
 
 
 @kernel
@@ -161,10 +170,10 @@ def pose_on_path(word, first, second, third, radius, distance):
 
     The segments are those of ``shortest_path``; the heading [rad] is not wrapped.
     """
-    turns = TURNS[word]
+    sides = turns(word)
     distance = max(distance, 0.0)
-    x, y, heading = _advance(0.0, 0.0, 0.0, turns[0], min(distance, first), radius)
+    x, y, heading = _advance(0.0, 0.0, 0.0, sides[0], min(distance, first), radius)
     distance = max(distance - first, 0.0)
-    x, y, heading = _advance(x, y, heading, turns[1], min(distance, second), radius)
+    x, y, heading = _advance(x, y, heading, sides[1], min(distance, second), radius)
     distance = max(distance - second, 0.0)
-    return _advance(x, y, heading, turns[2], min(distance, third), radius)
+    return _advance(x, y, heading, sides[2], min(distance, third), radius)

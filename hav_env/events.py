@@ -2,16 +2,21 @@
 
 import math
 
-from hav_env.collision import actual_collision, potential_collision
-from hav_env.compiled import kernel, world_kernel
+from hav_env.collision import actual_collision, potential_collision, within_reach
+from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.dubins import path_length
+from hav_env.elementary import sincos
 from hav_env.geometry import into_frame, wrap
+from hav_env.neighborhood import FEW
 from hav_env.world import (
     ACTUAL,
     ARTICULATION,
     CLOSEST,
+    COSINE,
+    DISTANCE,
     DUBINS,
     EUCLIDEAN_MISS,
+    HEADING,
     HEADING_MISS,
     HIT_DISTANCE,
     HIT_HEADING,
@@ -23,138 +28,230 @@ from hav_env.world import (
     MISS_COUNT,
     MISS_DISTANCE,
     MISS_HEADING,
+    MOVED,
     NEVER,
     PATH,
     PHASE,
     POTENTIAL,
+    SINE,
     STABLE,
     STEP,
     WHEN,
     WHERE,
+    X,
+    Y,
 )
 
 
-@world_kernel
-def clear_record(record):
+@kernel
+def clear_record(record, lane):
     """Forget everything: the episode begins."""
-    record.first[:] = NEVER
-    record.total[:] = 0.0
-    record.goal[:] = math.nan
-    record.goal[:, :, HIT_STEP] = NEVER
-    record.miss[:] = math.nan
-    record.miss[:, :, :, MISS_COUNT] = 0.0
+    record.first[..., lane] = NEVER
+    record.total[..., lane] = 0.0
+    record.goal[..., lane] = math.nan
+    record.goal[:, :, HIT_STEP, lane] = NEVER
+    record.miss[..., lane] = math.nan
+    record.miss[:, :, :, MISS_COUNT, lane] = 0.0
 
 
 @kernel
 def jackknifed(articulation, limit):
     """Tell whether an articulation [rad] is beyond its limit in (0, pi], eq. (cos_delta_lim)."""
-    return math.cos(articulation) < math.cos(limit)
+    _, cosine = sincos(articulation)
+    _, cosine_limit = sincos(limit)
+    return cosine < cosine_limit
 
 
-@world_kernel
-def record_articulation(world, agent):
-    """Record the largest articulation and the first jackknife."""
-    state, record = world.state, world.record
-    limit = world.fleet.limit[agent, ARTICULATION]
-    largest = record.total[agent, LARGEST]
-    for unit in range(1, world.fleet.num_trailers[agent] + 1):
-        articulation = state.heading[agent, unit] - state.heading[agent, unit - 1]
-        size = abs(articulation)
-        largest = max(largest, size)
-        # a cosine is taken only beyond the limit: angles below it cannot jackknife
-        is_first = size > limit and record.first[agent, JACKKNIFE, WHEN] == NEVER
-        if is_first and jackknifed(articulation, limit):
-            record.first[agent, JACKKNIFE, WHEN] = state.clock[STEP]
-            record.first[agent, JACKKNIFE, WHERE] = unit
-    record.total[agent, LARGEST] = largest
+@kernel
+def record_motion(dt, world, agent):
+    """Record the driven path and the largest articulation, and look for the first jackknife."""
+    state, total, limit = world.state, world.record.total, world.fleet.limit
+    for lane in range(world.lanes):
+        total[agent, PATH, lane] += state.speed[agent, lane] * dt
+        total[agent, MOVED, lane] += 0.0 if state.waiting[agent, lane] else 1.0
+    for unit in range(1, world.units):
+        for lane in range(world.lanes):
+            size = abs(state.heading[agent, unit, lane] - state.heading[agent, unit - 1, lane])
+            size = size if unit <= world.fleet.num_trailers[agent, lane] else 0.0
+            total[agent, LARGEST, lane] = max(total[agent, LARGEST, lane], size)
+    beyond = 0  # angles below the limit cannot jackknife
+    for lane in range(world.lanes):
+        beyond += total[agent, LARGEST, lane] > limit[agent, ARTICULATION, lane]
+    if beyond > 0:
+        _record_jackknifes(world, agent)
 
 
-@world_kernel
+@rare_kernel
+def _record_jackknifes(world, agent):
+    first = world.record.first
+    for lane in range(world.lanes):
+        limit = world.fleet.limit[agent, ARTICULATION, lane]
+        if world.record.total[agent, LARGEST, lane] <= limit:
+            continue
+        for unit in range(1, world.fleet.num_trailers[agent, lane] + 1):
+            heading, ahead = (
+                world.state.heading[agent, unit, lane],
+                world.state.heading[agent, unit - 1, lane],
+            )
+            is_new = first[agent, JACKKNIFE, WHEN, lane] == NEVER
+            if is_new and abs(heading - ahead) > limit and jackknifed(heading - ahead, limit):
+                first[agent, JACKKNIFE, WHEN, lane] = world.state.clock[STEP, lane]
+                first[agent, JACKKNIFE, WHERE, lane] = unit
+
+
+@kernel
 def record_collisions(world):
     """Record the first potential and the first actual collision of every HAV."""
-    first, step = world.record.first, world.state.clock[STEP]
-    for agent in range(world.state.x.shape[0]):
-        for k in range(world.nearby.count[agent]):
-            other = world.nearby.index[agent, k]
-            if other < agent:  # a pair is looked at once
-                continue
-            if _is_new(first, POTENTIAL, agent, other) and potential_collision(world, agent, other):
-                _record_pair(first, POTENTIAL, agent, other, step)
-            if _is_new(first, ACTUAL, agent, other) and actual_collision(world, agent, other):
-                _record_pair(first, ACTUAL, agent, other, step)
+    num_havs = world.state.x.shape[0]
+    if num_havs <= FEW:
+        for agent in range(num_havs):
+            for other in range(agent + 1, num_havs):
+                touching = 0
+                for lane in range(world.lanes):
+                    touching += within_reach(world, agent, other, lane)
+                if touching > 0:
+                    _record_pairs(world, agent, other)
+    else:
+        for lane in range(world.lanes):
+            for agent in range(num_havs):
+                for k in range(world.nearby.count[agent, lane]):
+                    other = world.nearby.index[agent, k, lane]
+                    if other > agent:  # a pair is looked at once
+                        _record_pair(world, agent, other, lane)
+
+
+@rare_kernel
+def _record_pairs(world, agent, other):
+    for lane in range(world.lanes):
+        _record_pair(world, agent, other, lane)
 
 
 @kernel
-def _is_new(first, event, agent, other):
-    return first[agent, event, WHEN] == NEVER or first[other, event, WHEN] == NEVER
+def _record_pair(world, agent, other, lane):
+    first = world.record.first
+    new_potential = _is_new(first, POTENTIAL, agent, other, lane)
+    if new_potential and potential_collision(world, agent, other, lane):
+        _record_both(world, POTENTIAL, agent, other, lane)
+    if _is_new(first, ACTUAL, agent, other, lane) and actual_collision(world, agent, other, lane):
+        _record_both(world, ACTUAL, agent, other, lane)
 
 
 @kernel
-def _record_pair(first, event, agent, other, step):
-    if first[agent, event, WHEN] == NEVER:
-        first[agent, event, WHEN] = step
-        first[agent, event, WHERE] = other
-    if first[other, event, WHEN] == NEVER:
-        first[other, event, WHEN] = step
-        first[other, event, WHERE] = agent
+def _is_new(first, event, agent, other, lane):
+    own, others = first[agent, event, WHEN, lane], first[other, event, WHEN, lane]
+    return NEVER in (own, others)
 
 
-@world_kernel
-def goal_difference(world, agent):
-    """Return distance [m] and absolute heading difference [rad] to the goal under way."""
-    phase = world.state.clock[PHASE]
-    dx = world.goals[agent, phase, 0] - world.state.x[agent]
-    dy = world.goals[agent, phase, 1] - world.state.y[agent]
-    turn = world.goals[agent, phase, 2] - world.state.heading[agent, 0]
-    return math.sqrt(dx * dx + dy * dy), abs(wrap(turn))
+@kernel
+def _record_both(world, event, agent, other, lane):
+    _record_first(world, event, agent, other, lane)
+    _record_first(world, event, other, agent, lane)
 
 
-@world_kernel
-def record_assignment(world, agent):
-    """Record how far the goal under way is along a Dubins path with the radius R_min."""
-    state, phase = world.state, world.state.clock[PHASE]
+@kernel
+def _record_first(world, event, agent, partner, lane):
+    first = world.record.first
+    if first[agent, event, WHEN, lane] == NEVER:
+        first[agent, event, WHEN, lane] = world.state.clock[STEP, lane]
+        first[agent, event, WHERE, lane] = partner
+
+
+@kernel
+def goal_distance(state, agent, lane):
+    """Return how far [m] the goal under way is."""
+    dx = state.goal[agent, X, lane] - state.x[agent, lane]
+    dy = state.goal[agent, Y, lane] - state.y[agent, lane]
+    return math.sqrt(dx * dx + dy * dy)
+
+
+@rare_kernel
+def assign_goal(world, agent, lane):
+    """Put the goal of the phase under way; record how far it is along a Dubins path with R_min."""
+    state, phase = world.state, world.state.clock[PHASE, lane]
+    heading = world.goals[agent, phase, 2, lane]
+    sine, cosine = sincos(heading)
+    state.goal[agent, X, lane] = world.goals[agent, phase, 0, lane]
+    state.goal[agent, Y, lane] = world.goals[agent, phase, 1, lane]
+    state.goal[agent, HEADING, lane] = heading
+    state.goal[agent, COSINE, lane] = cosine
+    state.goal[agent, SINE, lane] = sine
+    state.goal[agent, DISTANCE, lane] = goal_distance(state, agent, lane)
     forward, left = into_frame(
-        world.goals[agent, phase, 0] - state.x[agent],
-        world.goals[agent, phase, 1] - state.y[agent],
-        state.cosine[agent, 0],
-        state.sine[agent, 0],
+        state.goal[agent, X, lane] - state.x[agent, lane],
+        state.goal[agent, Y, lane] - state.y[agent, lane],
+        state.cosine[agent, 0, lane],
+        state.sine[agent, 0, lane],
     )
-    turn = world.goals[agent, phase, 2] - state.heading[agent, 0]
-    radius = world.fleet.radius[agent, STABLE]
-    world.record.goal[agent, phase, DUBINS] = path_length(forward, left, turn, radius)
-    world.record.goal[agent, phase, CLOSEST], _ = goal_difference(world, agent)
-
-
-@world_kernel
-def record_goal(task, world, agent):
-    """Record the approach to the goal under way; return whether the goal is hit."""
-    phase = world.state.clock[PHASE]
-    goal = world.record.goal[agent, phase]
-    distance, turn = goal_difference(world, agent)
-    goal[CLOSEST] = min(goal[CLOSEST], distance)
-    near, aligned = distance < task.distance_tolerance, turn < task.heading_tolerance
-    if near and aligned:
-        goal[HIT_STEP] = world.state.clock[STEP]
-        goal[HIT_DISTANCE] = distance
-        goal[HIT_HEADING] = turn
-        goal[HIT_PATH] = world.record.total[agent, PATH]
-        return True
-    if near and turn < 2.0 * task.heading_tolerance:
-        miss = world.record.miss[agent, phase, HEADING_MISS]
-        _record_miss(miss, MISS_HEADING, distance, turn, world.state.heading[agent])
-    elif aligned and distance < 2.0 * task.distance_tolerance:
-        miss = world.record.miss[agent, phase, EUCLIDEAN_MISS]
-        _record_miss(miss, MISS_DISTANCE, distance, turn, world.state.heading[agent])
-    return False
+    turn = heading - state.heading[agent, 0, lane]
+    radius = world.fleet.radius[agent, STABLE, lane]
+    goal = world.record.goal
+    goal[agent, phase, DUBINS, lane] = path_length(forward, left, turn, radius)
+    goal[agent, phase, CLOSEST, lane] = state.goal[agent, DISTANCE, lane]
 
 
 @kernel
-def _record_miss(miss, measure, distance, turn, headings):
+def record_approach(task, world, agent):
+    """Record the approach to the goal under way; let the HAV wait when it hits the goal.
+
+    Returns:
+        In how many lanes a goal was hit.
+    """
+    state, near = world.state, 2.0 * task.distance_tolerance
+    looks = 0
+    for lane in range(world.lanes):
+        distance = goal_distance(state, agent, lane)
+        state.goal[agent, DISTANCE, lane] = distance
+        looks += (distance < near) & (not state.waiting[agent, lane])
+    for phase in range(world.goals.shape[1]):
+        closest = world.record.goal[agent, fixed(phase), CLOSEST]
+        for lane in range(world.lanes):
+            least = min(closest[lane], state.goal[agent, DISTANCE, lane])
+            closest[lane] = least if state.clock[PHASE, lane] == phase else closest[lane]
+    return _look_closely(task, world, agent) if looks > 0 else 0
+
+
+@rare_kernel
+def _look_closely(task, world, agent):
+    """Look for hits and close misses in all lanes; return how many hits there are."""
+    state, hits = world.state, 0
+    for lane in range(world.lanes):
+        distance = state.goal[agent, DISTANCE, lane]
+        if state.waiting[agent, lane] or distance >= 2.0 * task.distance_tolerance:
+            continue
+        turn = abs(wrap(state.goal[agent, HEADING, lane] - state.heading[agent, 0, lane]))
+        near, aligned = distance < task.distance_tolerance, turn < task.heading_tolerance
+        if near and aligned:
+            hits += 1
+            state.waiting[agent, lane] = True
+            _record_hit(world, agent, lane, distance, turn)
+        elif near and turn < 2.0 * task.heading_tolerance:
+            _record_miss(world, agent, lane, HEADING_MISS, distance, turn)
+        elif aligned:
+            _record_miss(world, agent, lane, EUCLIDEAN_MISS, distance, turn)
+    return hits
+
+
+@kernel
+def _record_hit(world, agent, lane, distance, turn):
+    goal, phase = world.record.goal, world.state.clock[PHASE, lane]
+    goal[agent, phase, HIT_STEP, lane] = world.state.clock[STEP, lane]
+    goal[agent, phase, HIT_DISTANCE, lane] = distance
+    goal[agent, phase, HIT_HEADING, lane] = turn
+    goal[agent, phase, HIT_PATH, lane] = world.record.total[agent, PATH, lane]
+
+
+@kernel
+def _record_miss(world, agent, lane, kind, distance, turn):
     """Count a close miss; keep the narrowest one, by the measure that was missed."""
-    value = turn if measure == MISS_HEADING else distance
-    miss[MISS_COUNT] += 1.0
-    if miss[MISS_COUNT] == 1.0 or value < miss[measure]:
-        miss[MISS_DISTANCE] = distance
-        miss[MISS_HEADING] = turn
-        for joint in range(headings.shape[0] - 1):
-            miss[MISS_ARTICULATION + joint] = wrap(headings[joint + 1] - headings[joint])
+    heading, miss = world.state.heading, world.record.miss
+    at = agent, world.state.clock[PHASE, lane], kind
+    narrowest, value = miss[(*at, MISS_DISTANCE, lane)], distance
+    if kind == HEADING_MISS:
+        narrowest, value = miss[(*at, MISS_HEADING, lane)], turn
+    miss[(*at, MISS_COUNT, lane)] += 1.0
+    if miss[(*at, MISS_COUNT, lane)] == 1.0 or value < narrowest:
+        miss[(*at, MISS_DISTANCE, lane)] = distance
+        miss[(*at, MISS_HEADING, lane)] = turn
+        for joint in range(heading.shape[1] - 1):
+            bend = heading[agent, joint + 1, lane] - heading[agent, joint, lane]
+            miss[(*at, MISS_ARTICULATION + joint, lane)] = wrap(bend)

@@ -3,6 +3,7 @@
 import math
 
 from hav_env.compiled import kernel
+from hav_env.elementary import floor
 
 TWO_PI = 2.0 * math.pi
 TURNS_PER_RADIAN = 1.0 / TWO_PI
@@ -11,7 +12,7 @@ TURNS_PER_RADIAN = 1.0 / TWO_PI
 @kernel
 def wrap(angle):
     """Return the angle [rad] moved by whole turns into [-pi, pi), up to rounding."""
-    return angle - TWO_PI * math.floor((angle + math.pi) * TURNS_PER_RADIAN)
+    return angle - TWO_PI * floor((angle + math.pi) * TURNS_PER_RADIAN)
 
 
 @kernel

@@ -7,7 +7,7 @@ not, and reaching draw k needs none of the draws before it.
 
 import math
 
-from hav_env.compiled import kernel
+from hav_env.compiled import kernel, rare_kernel
 
 _MASK = 0xFFFFFFFF
 _PARITY = 0x1BD11BDA
@@ -44,7 +44,7 @@ def threefry(key0, key1, counter0, counter1):
     return x0, x1
 
 
-@kernel
+@rare_kernel
 def uniform(seed, episode, stream, draw):
     """Return a number in [0, 1) with 53 random bits: draw number ``draw`` of one stream.
 

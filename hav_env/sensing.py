@@ -5,141 +5,154 @@ read the world through these functions alone: that is the decentralisation contr
 and it makes every policy indifferent to where in the plane the world lies.
 """
 
-from hav_env.compiled import world_kernel
+from hav_env.compiled import kernel
 from hav_env.geometry import into_frame, wrap
 from hav_env.world import (
     ARTICULATION,
+    COSINE,
     EPISODE,
     FOOTPRINT,
-    PHASE,
+    HEADING,
     SEED,
+    SINE,
     SPEED,
     STABLE,
     STEERING,
     STEERING_COSINE,
     STEERING_SINE,
     STEP,
+    X,
+    Y,
     truck_distance,
 )
 
 
-@world_kernel
-def num_trailers(world, agent):
+@kernel
+def num_trailers(world, agent, lane):
     """Return N_i."""
-    return world.fleet.num_trailers[agent]
+    return world.fleet.num_trailers[agent, lane]
 
 
-@world_kernel
-def unit_length(world, agent, unit):
+@kernel
+def unit_length(world, agent, unit, lane):
     """Return l^unit [m]; unit 0 is the truck."""
-    return world.fleet.length[agent, unit]
+    return world.fleet.length[agent, unit, lane]
 
 
-@world_kernel
-def stable_radius(world, agent):
+@kernel
+def stable_radius(world, agent, lane):
     """Return R_min [m], eq. (rmin)."""
-    return world.fleet.radius[agent, STABLE]
+    return world.fleet.radius[agent, STABLE, lane]
 
 
-@world_kernel
-def limits(world, agent):
+@kernel
+def limits(world, agent, lane):
     """Return maximum speed [m/s], steering [rad] and articulation [rad]."""
     limit = world.fleet.limit
-    return limit[agent, SPEED], limit[agent, STEERING], limit[agent, ARTICULATION]
+    return limit[agent, SPEED, lane], limit[agent, STEERING, lane], limit[agent, ARTICULATION, lane]
 
 
-@world_kernel
-def steering_direction(world, agent):
+@kernel
+def steering_direction(world, agent, lane):
     """Return cosine and sine of the maximum steering angle."""
-    return world.fleet.limit[agent, STEERING_COSINE], world.fleet.limit[agent, STEERING_SINE]
+    limit = world.fleet.limit
+    return limit[agent, STEERING_COSINE, lane], limit[agent, STEERING_SINE, lane]
 
 
-@world_kernel
-def articulation_cosine(world, agent, joint):
-    """Return the cosine of the articulation of trailer ``joint`` (1 is the first)."""
+@kernel
+def articulation_direction(world, agent, joint, lane):
+    """Return cosine and sine of an articulation: joint 1 is the first, bending left is positive."""
     cosine, sine = world.state.cosine, world.state.sine
-    ahead = joint - 1
-    return cosine[agent, joint] * cosine[agent, ahead] + sine[agent, joint] * sine[agent, ahead]
-
-
-@world_kernel
-def articulation_sine(world, agent, joint):
-    """Return the sine of the articulation of trailer ``joint``: positive when it bends left."""
-    cosine, sine = world.state.cosine, world.state.sine
-    ahead = joint - 1
-    return sine[agent, joint] * cosine[agent, ahead] - cosine[agent, joint] * sine[agent, ahead]
-
-
-@world_kernel
-def goal_pose(world, agent):
-    """Return the goal under way: forward [m], left [m], heading relative to the truck's [rad]."""
-    state, goals, phase = world.state, world.goals, world.state.clock[PHASE]
-    forward, left = into_frame(
-        goals[agent, phase, 0] - state.x[agent],
-        goals[agent, phase, 1] - state.y[agent],
-        state.cosine[agent, 0],
-        state.sine[agent, 0],
-    )
-    return forward, left, wrap(goals[agent, phase, 2] - state.heading[agent, 0])
-
-
-@world_kernel
-def num_neighbors(world, agent):
-    """Return how many other HAVs are in sensing range."""
-    return world.nearby.count[agent]
-
-
-@world_kernel
-def neighbor_id(world, agent, k):
-    """Return the number of the HAV that is neighbour ``k``; neighbours come in ascending order."""
-    return world.nearby.index[agent, k]
-
-
-@world_kernel
-def neighbor_position(world, agent, k):
-    """Return where the truck's rear axle of neighbour ``k`` is: forward [m], left [m]."""
-    state, other = world.state, world.nearby.index[agent, k]
     return into_frame(
-        state.x[other] - state.x[agent],
-        state.y[other] - state.y[agent],
-        state.cosine[agent, 0],
-        state.sine[agent, 0],
+        cosine[agent, joint, lane],
+        sine[agent, joint, lane],
+        cosine[agent, joint - 1, lane],
+        sine[agent, joint - 1, lane],
     )
 
 
-@world_kernel
-def neighbor_distance(world, agent, k):
+@kernel
+def goal_pose(world, agent, lane):
+    """Return the goal under way: forward [m], left [m], heading relative to the truck's [rad]."""
+    state, goal = world.state, world.state.goal
+    forward, left = into_frame(
+        goal[agent, X, lane] - state.x[agent, lane],
+        goal[agent, Y, lane] - state.y[agent, lane],
+        state.cosine[agent, 0, lane],
+        state.sine[agent, 0, lane],
+    )
+    return forward, left, wrap(goal[agent, HEADING, lane] - state.heading[agent, 0, lane])
+
+
+@kernel
+def goal_direction(world, agent, lane):
+    """Return cosine and sine of the goal's heading relative to the truck's."""
+    state, goal = world.state, world.state.goal
+    return into_frame(
+        goal[agent, COSINE, lane],
+        goal[agent, SINE, lane],
+        state.cosine[agent, 0, lane],
+        state.sine[agent, 0, lane],
+    )
+
+
+@kernel
+def num_neighbors(world, agent, lane):
+    """Return how many other HAVs are in sensing range."""
+    return world.nearby.count[agent, lane]
+
+
+@kernel
+def neighbor_id(world, agent, k, lane):
+    """Return the number of the HAV that is neighbour ``k``; neighbours come in ascending order."""
+    return world.nearby.index[agent, k, lane]
+
+
+@kernel
+def neighbor_position(world, agent, k, lane):
+    """Return where the truck's rear axle of neighbour ``k`` is: forward [m], left [m]."""
+    state, other = world.state, world.nearby.index[agent, k, lane]
+    return into_frame(
+        state.x[other, lane] - state.x[agent, lane],
+        state.y[other, lane] - state.y[agent, lane],
+        state.cosine[agent, 0, lane],
+        state.sine[agent, 0, lane],
+    )
+
+
+@kernel
+def neighbor_distance(world, agent, k, lane):
     """Return the distance [m] from truck to truck of neighbour ``k``."""
-    return truck_distance(world.state, agent, world.nearby.index[agent, k])
+    return truck_distance(world.state, agent, world.nearby.index[agent, k, lane], lane)
 
 
-@world_kernel
-def neighbor_heading(world, agent, k, unit):
+@kernel
+def neighbor_heading(world, agent, k, unit, lane):
     """Return the heading of a unit of neighbour ``k`` relative to the own truck's [rad]."""
-    other = world.nearby.index[agent, k]
-    return wrap(world.state.heading[other, unit] - world.state.heading[agent, 0])
+    other = world.nearby.index[agent, k, lane]
+    return wrap(world.state.heading[other, unit, lane] - world.state.heading[agent, 0, lane])
 
 
-@world_kernel
-def neighbor_footprint(world, agent, k):
+@kernel
+def neighbor_footprint(world, agent, k, lane):
     """Return the footprint radius d_h [m] of neighbour ``k``."""
-    return world.fleet.radius[world.nearby.index[agent, k], FOOTPRINT]
+    return world.fleet.radius[world.nearby.index[agent, k, lane], FOOTPRINT, lane]
 
 
-@world_kernel
-def neighbor_length(world, agent, k, unit):
+@kernel
+def neighbor_length(world, agent, k, unit, lane):
     """Return the length [m] of a unit of neighbour ``k``."""
-    return world.fleet.length[world.nearby.index[agent, k], unit]
+    return world.fleet.length[world.nearby.index[agent, k, lane], unit, lane]
 
 
-@world_kernel
-def own_footprint(world, agent):
+@kernel
+def own_footprint(world, agent, lane):
     """Return the footprint radius d_i [m]."""
-    return world.fleet.radius[agent, FOOTPRINT]
+    return world.fleet.radius[agent, FOOTPRINT, lane]
 
 
-@world_kernel
-def episode_key(world):
+@kernel
+def episode_key(world, lane):
     """Return seed, number of the episode and step: the clock and dice that all HAVs share."""
     clock = world.state.clock
-    return clock[SEED], clock[EPISODE], clock[STEP]
+    return clock[SEED, lane], clock[EPISODE, lane], clock[STEP, lane]

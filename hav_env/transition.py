@@ -1,92 +1,117 @@
-"""One step of one world: the whole decision process on one screen."""
+"""One step of a block of worlds: the whole decision process on one screen."""
 
-from hav_env.compiled import world_kernel
+from hav_env.compiled import fixed, kernel
 from hav_env.events import (
+    assign_goal,
     clear_record,
-    record_articulation,
-    record_assignment,
+    record_approach,
     record_collisions,
-    record_goal,
+    record_motion,
 )
 from hav_env.geometry import clip
 from hav_env.neighborhood import find_nearby
 from hav_env.scenarios import populate
 from hav_env.vehicles import move
-from hav_env.world import EPISODE, MOVED, PATH, PHASE, SEED, SPEED, STEERING, STEP
+from hav_env.world import EPISODE, PHASE, SEED, SPEED, STEERING, STEP, block_of
 
 
-@world_kernel
-def begin(scenario, task, world, seed, episode):
-    """Start an episode; return whether the scenario found room for its HAVs."""
-    world.state.clock[SEED], world.state.clock[EPISODE] = seed, episode
-    world.state.clock[STEP] = 0
-    clear_record(world.record)
-    placed = populate(scenario, world)
-    _begin_phase(world, 0)
-    find_nearby(task, world)
-    record_collisions(world)
+@kernel
+def begin(scenario, task, world, lane, seed, episode):
+    """Start an episode in one lane; return whether the scenario found room for its HAVs."""
+    state = world.state
+    state.clock[SEED, lane], state.clock[EPISODE, lane] = seed, episode
+    state.clock[STEP, lane] = 0
+    state.speed[..., lane] = 0.0
+    state.steering[..., lane] = 0.0
+    state.ahead[..., lane] = 0.0
+    clear_record(world.record, lane)
+    placed = populate(scenario, world, lane)
+    _begin_phase(world, lane, 0)
+    alone = block_of(world, lane, 1, world.units)
+    find_nearby(task, alone)
+    record_collisions(alone)
     return placed
 
 
-@world_kernel
+@kernel
 def step(task, vehicle, world, speed, steering):
-    """Advance a world by one step.
+    """Advance a block of worlds by one step.
 
     Args:
         task, vehicle: the rules and the kinematics.
-        world: the view of one world.
-        speed: (N,) [m/s] and steering: (N,) [rad], cut to the limits of each HAV. A HAV that
+        world: the block.
+        speed: (N, W) [m/s] and steering: (N, W) [rad], cut to the limits of each HAV. A HAV that
             waits at its goal stands, whatever its speed.
+
+    Returns:
+        How many worlds may have ended: where a goal was hit, or time is up.
     """
-    state, fleet = world.state, world.fleet
-    state.clock[STEP] += 1
-    for agent in range(state.x.shape[0]):
-        if state.waiting[agent]:
-            continue
-        v = clip(speed[agent], 0.0, fleet.limit[agent, SPEED])
-        steepest = fleet.limit[agent, STEERING]
-        phi = clip(steering[agent], -steepest, steepest)
-        move(vehicle, task.dt, world, agent, v, phi)
-        world.record.total[agent, PATH] += v * task.dt
-        world.record.total[agent, MOVED] += 1
-        record_articulation(world, agent)
-    if state.x.shape[0] > 1:
+    num_havs = world.state.x.shape[0]
+    news = _count_step(task, world)
+    for hav in range(num_havs):
+        agent = fixed(hav)
+        _command(world, agent, speed, steering)
+        move(vehicle, task.dt, world, agent)
+        record_motion(task.dt, world, agent)
+    if num_havs > 1:
         find_nearby(task, world)
         record_collisions(world)
-    _score_goals(task, world)
+    hits = 0
+    for hav in range(num_havs):
+        hits += record_approach(task, world, fixed(hav))
+    if hits > 0:
+        _begin_phases(world)
+    return news + hits
 
 
-@world_kernel
-def _score_goals(task, world):
-    """Let HAVs that hit their goal wait; when all do, all receive their next goal."""
-    state = world.state
-    all_wait = True
-    for agent in range(state.x.shape[0]):
-        if not state.waiting[agent]:
-            state.waiting[agent] = record_goal(task, world, agent)
-        all_wait = all_wait and state.waiting[agent]
-    if all_wait and state.clock[PHASE] + 1 < world.goals.shape[1]:
-        _begin_phase(world, state.clock[PHASE] + 1)
+@kernel
+def _count_step(task, world):
+    """Count the step; return in how many worlds time is up."""
+    clock, late = world.state.clock, 0
+    for lane in range(world.lanes):
+        clock[STEP, lane] += 1
+        late += clock[STEP, lane] >= task.max_steps
+    return late
 
 
-@world_kernel
-def _begin_phase(world, phase):
-    world.state.clock[PHASE] = phase
+@kernel
+def _command(world, agent, speed, steering):
+    """Cut speed and steering to the limits of a HAV; one that waits stands."""
+    state, limit = world.state, world.fleet.limit
+    for lane in range(world.lanes):
+        v = clip(speed[agent, lane], 0.0, limit[agent, SPEED, lane])
+        steepest = limit[agent, STEERING, lane]
+        state.speed[agent, lane] = 0.0 if state.waiting[agent, lane] else v
+        state.steering[agent, lane] = clip(steering[agent, lane], -steepest, steepest)
+
+
+@kernel
+def _begin_phases(world):
+    """Give all HAVs of a world their next goal, where all have hit the one under way."""
+    for lane in range(world.lanes):
+        phase = world.state.clock[PHASE, lane] + 1
+        if phase < world.goals.shape[1] and all_wait(world, lane):
+            _begin_phase(world, lane, phase)
+
+
+@kernel
+def _begin_phase(world, lane, phase):
+    world.state.clock[PHASE, lane] = phase
     for agent in range(world.state.x.shape[0]):
-        world.state.waiting[agent] = False
-        record_assignment(world, agent)
+        world.state.waiting[agent, lane] = False
+        assign_goal(world, agent, lane)
 
 
-@world_kernel
-def succeeded(world):
-    """Tell whether all HAVs have hit their last goals."""
+@kernel
+def all_wait(world, lane):
+    """Tell whether all HAVs of a world wait at their goals; after a step, at their last."""
     for agent in range(world.state.x.shape[0]):
-        if not world.state.waiting[agent]:
+        if not world.state.waiting[agent, lane]:
             return False
     return True
 
 
-@world_kernel
-def ended(task, world):
-    """Tell whether the episode is over: all last goals hit, or time is up."""
-    return world.state.clock[STEP] >= task.max_steps or succeeded(world)
+@kernel
+def ended(task, world, lane):
+    """Tell whether an episode is over: all last goals hit, or time is up."""
+    return world.state.clock[STEP, lane] >= task.max_steps or all_wait(world, lane)

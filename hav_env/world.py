@@ -1,8 +1,9 @@
-"""The arrays that a batch of worlds consists of, and the view of one world.
+"""The arrays that a batch of worlds consists of, and blocks of its lanes.
 
 Shapes: N HAVs of a world, U units of a HAV (unit 0 is the truck; padded), G goals of a HAV, W
-worlds; the world is the last axis. ``World`` names both the whole batch (arrays as commented) and
-the view of one world (the same without the last axis), which is what kernels work on.
+worlds. The world is the last axis, the "lane": kernels run over HAVs and units outside and over the
+lanes inside, where one instruction works on several worlds. ``World`` names the whole batch as well
+as a block of its lanes.
 
 Quantities that belong together share an array and have named columns: every array is one more
 argument of every kernel, and compiling and calling slow down with their number.
@@ -13,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import kernel, world_kernel
+from hav_env.compiled import kernel, lanes_from, rare_kernel
+from hav_env.elementary import sincos
 
 Array = Any  # np.ndarray
 
@@ -26,10 +28,16 @@ class State(NamedTuple):
     heading: Array  # (N, U, W) of every unit [rad], not wrapped, so that full turns show
     cosine: Array  # (N, U, W) of the heading, kept with it: most rules need it
     sine: Array  # (N, U, W)
+    speed: Array  # (N, W) v^0 of the truck [m/s], in the step done
+    steering: Array  # (N, W) phi of the truck [rad], in the step done
+    ahead: Array  # (3, W) scratch: of the unit ahead while the units of a HAV move one by one
+    goal: Array  # (N, 6, W) the goal under way, columns X .. DISTANCE
     waiting: Array  # (N, W) bool: at its goal, maximum speed zero until all are
     clock: Array  # (4, W) columns STEP .. EPISODE
 
 
+AHEAD_SPEED, AHEAD_COSINE, AHEAD_SINE = range(3)
+X, Y, HEADING, COSINE, SINE, DISTANCE = range(6)  # of a goal [m, m, rad]; how far it is [m]
 STEP, PHASE, SEED, EPISODE = range(4)  # steps done; goal under way; the key of the episode
 
 
@@ -37,7 +45,7 @@ class Fleet(NamedTuple):
     """What a HAV is: lengths and limits."""
 
     num_trailers: Array  # (N, W)
-    length: Array  # (N, U, W) wheelbase l^0 and trailer lengths l^j [m], 1 beyond the last
+    length: Array  # (N, U, W) wheelbase l^0, trailer lengths l^j [m], inf beyond the last
     radius: Array  # (N, 2, W) columns FOOTPRINT, STABLE [m]
     limit: Array  # (N, 5, W) columns SPEED [m/s], STEERING, ARTICULATION [rad], STEERING_COSINE ..
 
@@ -82,13 +90,15 @@ MISS_COUNT, MISS_DISTANCE, MISS_HEADING, MISS_ARTICULATION = range(4)
 
 
 class World(NamedTuple):
-    """All arrays of a batch, or the views of one of its worlds."""
+    """All arrays of a batch, or of a block of its lanes."""
 
     state: State
     fleet: Fleet
     goals: Array  # (N, G, 3, W) goal poses: x [m], y [m], heading [rad]
     nearby: Nearby
     record: Record
+    lanes: int  # how many worlds: lane 0 is the first
+    units: int  # how many units the longest HAV has that loops must reach
 
 
 def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: int) -> World:
@@ -104,93 +114,157 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
 
     waiting = np.zeros((n, w), np.bool_)
     return World(
-        State(real(n), real(n), real(n, u), real(n, u), real(n, u), waiting, whole(4)),
+        State(
+            *(real(n), real(n), real(n, u), real(n, u), real(n, u), real(n), real(n)),
+            *(real(3), real(n, 6), waiting, whole(4)),
+        ),
         Fleet(whole(n), real(n, u), real(n, 2), real(n, 5)),
         real(n, g, 3),
         Nearby(whole(n), whole(n, n - 1), whole(4, buckets)),
         Record(whole(n, 3, 2), real(n, 3), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
+        num_worlds,
+        num_units,
     )
-
-
-@world_kernel
-def world_at(worlds, w):
-    """Return the view of world ``w`` of a batch."""
-    state, fleet, nearby, record = worlds.state, worlds.fleet, worlds.nearby, worlds.record
-    return World(
-        State(
-            state.x[:, w],
-            state.y[:, w],
-            state.heading[:, :, w],
-            state.cosine[:, :, w],
-            state.sine[:, :, w],
-            state.waiting[:, w],
-            state.clock[:, w],
-        ),
-        Fleet(
-            fleet.num_trailers[:, w],
-            fleet.length[:, :, w],
-            fleet.radius[:, :, w],
-            fleet.limit[:, :, w],
-        ),
-        worlds.goals[:, :, :, w],
-        Nearby(nearby.count[:, w], nearby.index[:, :, w], nearby.grid[:, :, w]),
-        Record(
-            record.first[:, :, :, w],
-            record.total[:, :, w],
-            record.goal[:, :, :, w],
-            record.miss[:, :, :, :, w],
-        ),
-    )
-
-
-@world_kernel
-def turn_unit(state, agent, unit, heading):
-    """Give a unit a heading [rad], with its cosine and sine."""
-    state.heading[agent, unit] = heading
-    state.cosine[agent, unit] = math.cos(heading)
-    state.sine[agent, unit] = math.sin(heading)
-
-
-@world_kernel
-def put_straight(state, agent, x, y, heading):
-    """Put a HAV somewhere without articulation: every unit has the truck's heading [rad]."""
-    state.x[agent] = x
-    state.y[agent] = y
-    for unit in range(state.heading.shape[1]):
-        turn_unit(state, agent, unit, heading)
 
 
 @kernel
-def derive_radii(fleet, agent, truck_share):
+def block_of(worlds, first, lanes, units):
+    """Return ``lanes`` worlds of a batch, from world ``first`` on, with loops to ``units``."""
+    state, fleet, nearby, record = worlds.state, worlds.fleet, worlds.nearby, worlds.record
+    return World(
+        State(
+            lanes_from(state.x, first),
+            lanes_from(state.y, first),
+            lanes_from(state.heading, first),
+            lanes_from(state.cosine, first),
+            lanes_from(state.sine, first),
+            lanes_from(state.speed, first),
+            lanes_from(state.steering, first),
+            lanes_from(state.ahead, first),
+            lanes_from(state.goal, first),
+            lanes_from(state.waiting, first),
+            lanes_from(state.clock, first),
+        ),
+        Fleet(
+            lanes_from(fleet.num_trailers, first),
+            lanes_from(fleet.length, first),
+            lanes_from(fleet.radius, first),
+            lanes_from(fleet.limit, first),
+        ),
+        lanes_from(worlds.goals, first),
+        Nearby(
+            lanes_from(nearby.count, first),
+            lanes_from(nearby.index, first),
+            lanes_from(nearby.grid, first),
+        ),
+        Record(
+            lanes_from(record.first, first),
+            lanes_from(record.total, first),
+            lanes_from(record.goal, first),
+            lanes_from(record.miss, first),
+        ),
+        lanes,
+        units,
+    )
+
+
+@kernel
+def copy_lane(source, lane, target, to):
+    """Copy one lane of an array into a lane of another one, or of its own."""
+    for index in np.ndindex(target.shape[:-1]):
+        target[(*index, to)] = source[(*index, lane)]
+
+
+@rare_kernel
+def copy_world(source, lane, target, to):
+    """Copy the world in one lane of a batch into a lane of another batch of the same shapes.
+
+    The scratch of the search for neighbours stays behind: every search begins anew.
+    """
+    copy_lane(source.state.x, lane, target.state.x, to)
+    copy_lane(source.state.y, lane, target.state.y, to)
+    copy_lane(source.state.heading, lane, target.state.heading, to)
+    copy_lane(source.state.cosine, lane, target.state.cosine, to)
+    copy_lane(source.state.sine, lane, target.state.sine, to)
+    copy_lane(source.state.speed, lane, target.state.speed, to)
+    copy_lane(source.state.steering, lane, target.state.steering, to)
+    copy_lane(source.state.goal, lane, target.state.goal, to)
+    copy_lane(source.state.waiting, lane, target.state.waiting, to)
+    copy_lane(source.state.clock, lane, target.state.clock, to)
+    copy_lane(source.fleet.num_trailers, lane, target.fleet.num_trailers, to)
+    copy_lane(source.fleet.length, lane, target.fleet.length, to)
+    copy_lane(source.fleet.radius, lane, target.fleet.radius, to)
+    copy_lane(source.fleet.limit, lane, target.fleet.limit, to)
+    copy_lane(source.goals, lane, target.goals, to)
+    copy_lane(source.nearby.count, lane, target.nearby.count, to)
+    copy_lane(source.nearby.index, lane, target.nearby.index, to)
+    copy_lane(source.record.first, lane, target.record.first, to)
+    copy_lane(source.record.total, lane, target.record.total, to)
+    copy_lane(source.record.goal, lane, target.record.goal, to)
+    copy_lane(source.record.miss, lane, target.record.miss, to)
+
+
+def view_of(worlds: World, w: int) -> World:
+    """Return the view of one world in Python: the arrays without their last axis."""
+
+    def view(arrays):
+        return type(arrays)(*(array[..., w] for array in arrays))
+
+    state, fleet, goals, nearby, record, _, units = worlds
+    return World(view(state), view(fleet), goals[..., w], view(nearby), view(record), 1, units)
+
+
+@kernel
+def turn_unit(state, agent, unit, lane, heading):
+    """Give a unit a heading [rad]; return its cosine and sine, which are kept with it."""
+    sine, cosine = sincos(heading)
+    state.heading[agent, unit, lane] = heading
+    state.cosine[agent, unit, lane] = cosine
+    state.sine[agent, unit, lane] = sine
+    return cosine, sine
+
+
+@kernel
+def put_straight(state, agent, lane, x, y, heading):
+    """Put a HAV somewhere without articulation: every unit has the truck's heading [rad]."""
+    state.x[agent, lane] = x
+    state.y[agent, lane] = y
+    for unit in range(state.heading.shape[1]):
+        turn_unit(state, agent, unit, lane, heading)
+
+
+@kernel
+def derive_radii(fleet, agent, lane, truck_share):
     """Set what follows from a HAV's lengths: footprint radius d_i and minimal stable radius R_min.
 
     d_i = sum_j l^j over the trailers, plus a share of the truck's length (the paper's is 0).
 
     R_min = sqrt(sum_j (l^j)^2) over the truck and all trailers, eq. (rmin).
     """
-    truck = fleet.length[agent, 0]
+    truck = fleet.length[agent, 0, lane]
     footprint, squares = truck_share * truck, truck * truck
-    for unit in range(1, fleet.num_trailers[agent] + 1):
-        length = fleet.length[agent, unit]
+    for unit in range(1, fleet.num_trailers[agent, lane] + 1):
+        length = fleet.length[agent, unit, lane]
         footprint += length
         squares += length * length
-    fleet.radius[agent, FOOTPRINT] = footprint
-    fleet.radius[agent, STABLE] = math.sqrt(squares)
+    fleet.radius[agent, FOOTPRINT, lane] = footprint
+    fleet.radius[agent, STABLE, lane] = math.sqrt(squares)
 
 
 @kernel
-def set_limits(fleet, agent, speed, steering, articulation):
+def set_limits(fleet, agent, lane, speed, steering, articulation):
     """Set the limits of a HAV [m/s, rad, rad]."""
-    fleet.limit[agent, SPEED] = speed
-    fleet.limit[agent, STEERING] = steering
-    fleet.limit[agent, ARTICULATION] = articulation
-    fleet.limit[agent, STEERING_COSINE] = math.cos(steering)
-    fleet.limit[agent, STEERING_SINE] = math.sin(steering)
+    sine, cosine = sincos(steering)
+    fleet.limit[agent, SPEED, lane] = speed
+    fleet.limit[agent, STEERING, lane] = steering
+    fleet.limit[agent, ARTICULATION, lane] = articulation
+    fleet.limit[agent, STEERING_COSINE, lane] = cosine
+    fleet.limit[agent, STEERING_SINE, lane] = sine
 
 
-@world_kernel
-def truck_distance(state, agent, other):
+@kernel
+def truck_distance(state, agent, other, lane):
     """Return the distance [m] between the rear axles of two trucks."""
-    dx = state.x[other] - state.x[agent]
-    dy = state.y[other] - state.y[agent]
+    dx = state.x[other, lane] - state.x[agent, lane]
+    dy = state.y[other, lane] - state.y[agent, lane]
     return math.sqrt(dx * dx + dy * dy)

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import settings
 
 from hav_env import Batch, RandomPoses, Task
-from hav_env.world import FOOTPRINT, STABLE, world_at
+from hav_env.world import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE, view_of
 
 COMPILED = not numba.config.DISABLE_JIT  # coverage is measured without compilation
 
@@ -17,14 +17,12 @@ settings.register_profile(
 settings.load_profile("suite")
 
 
+ALL = slice(None)
+
+
 def budget(compiled: int, pure: int) -> int:
     """Return how many examples to run: pure Python is a hundred times slower."""
     return compiled if COMPILED else pure
-
-
-def view(worlds, w: int = 0):
-    """Return the view of one world; a compiled kernel must not hand arrays to Python."""
-    return getattr(world_at, "py_func", world_at)(worlds, w)
 
 
 def wrapped(angle):
@@ -46,9 +44,20 @@ def open_plane(num_worlds=1, num_havs=1, num_trailers=3, *, task=Task(), vehicle
     vehicles = {} if vehicle is None else {"vehicle": vehicle}
     batch = Batch(scenario, num_worlds, task, **vehicles)
     batch.reset(0)
-    batch.worlds.goals[:] = 1e9
+    aim(batch.worlds, ALL, ALL, 1e9, 1e9, 1e9)
     batch.worlds.record.first[:] = -1
     return batch
+
+
+def aim(worlds, agent, w, x, y, heading, phase=0):
+    """Write a goal of a HAV, and set out for it: position [m], heading [rad]."""
+    worlds.goals[agent, phase, 0, w] = x
+    worlds.goals[agent, phase, 1, w] = y
+    worlds.goals[agent, phase, 2, w] = heading
+    worlds.state.goal[agent, :3, w] = worlds.goals[agent, phase, :, w]
+    worlds.state.goal[agent, COSINE, w] = np.cos(heading)
+    worlds.state.goal[agent, SINE, w] = np.sin(heading)
+    worlds.state.goal[agent, DISTANCE, w] = math.inf  # found anew by the next step
 
 
 def put(worlds, lengths, x=0.0, y=0.0, headings=0.0, *, w=0, agent=0):
@@ -56,7 +65,7 @@ def put(worlds, lengths, x=0.0, y=0.0, headings=0.0, *, w=0, agent=0):
     state, fleet, units = worlds.state, worlds.fleet, len(lengths)
     headings = np.broadcast_to(np.asarray(headings, float), units)
     fleet.num_trailers[agent, w] = units - 1
-    fleet.length[agent, :, w] = 1.0
+    fleet.length[agent, :, w] = math.inf
     fleet.length[agent, :units, w] = lengths
     fleet.radius[agent, FOOTPRINT, w] = sum(lengths[1:])
     fleet.radius[agent, STABLE, w] = math.hypot(*lengths)
@@ -82,6 +91,6 @@ def stand(batch, steps: int = 1) -> None:
 
 def bits(worlds, w: int = 0) -> list[bytes]:
     """Return the bytes of everything in a world but the scratch of the neighbour search."""
-    world = view(worlds, w)
+    world = view_of(worlds, w)
     arrays = [*world.state, *world.fleet, world.goals, world.nearby.count, *world.record]
     return [array.tobytes() for array in arrays]

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import limit, open_plane, put, stand, view, wrapped
+from conftest import ALL, aim, limit, open_plane, put, stand, wrapped
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -88,7 +88,7 @@ def scene(*havs, goal=(1e3, 0.0, 0.0), steering=50 * DEGREE, speed=1.0):
     limit(batch.worlds, steering=steering, speed=speed)
     for agent, (lengths, x, y, headings) in enumerate(havs):
         put(batch.worlds, lengths, x, y, headings, agent=agent)
-    batch.worlds.goals[:] = np.array(goal)[:, None]
+    aim(batch.worlds, ALL, ALL, *goal)
     batch.worlds.state.waiting[:] = True
     stand(batch)  # finds the neighbours
     batch.worlds.state.waiting[:] = False
@@ -248,8 +248,8 @@ def test_the_decision_is_the_vector_sum_of_the_paper_in_any_state():
     num_worlds, num_havs, rng = 60, 3, np.random.default_rng(8)
     batch = open_plane(num_worlds, num_havs, 4, task=Task(sensing_range=0.0))
     limit(batch.worlds)
-    batch.worlds.goals[:, :, :2] = rng.uniform(-60, 60, (num_havs, 1, 2, num_worlds))
-    batch.worlds.goals[:, :, 2] = rng.uniform(-4, 4, (num_havs, 1, num_worlds))
+    places = rng.uniform(-60, 60, (2, num_havs, num_worlds))
+    aim(batch.worlds, ALL, ALL, *places, rng.uniform(-4, 4, (num_havs, num_worlds)))
     for w in range(num_worlds):
         for agent in range(num_havs):
             lengths = rng.uniform(2, 12, rng.integers(2, 6))
@@ -261,7 +261,7 @@ def test_the_decision_is_the_vector_sum_of_the_paper_in_any_state():
     found = np.array(decide(PAPER, allocate_memory(PAPER, num_havs, num_worlds), batch))
     evading = 0
     for w in range(num_worlds):
-        world = view(batch.worlds, w)
+        world = batch.world(w)
         for agent in range(num_havs):
             goal_vector, evades = reference_vector(world, agent)
             evading += evades

@@ -11,7 +11,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from hav_env.dubins import TURNS, WORDS, path_length, pose_on_path, shortest_path, word_segments
+from hav_env.dubins import (
+    WORDS,
+    path_length,
+    pose_on_path,
+    shortest_path,
+    turns,
+    word_segments,
+)
 
 RNG = np.random.default_rng(4)
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
@@ -53,7 +60,7 @@ def test_every_word_that_is_feasible_ends_at_the_goal(word, goal, radius):
     lengths = lengths_of(word, goal, radius)
     assume(lengths is not None)
     assert min(lengths) >= 0.0
-    curvatures = [turn / radius for turn in TURNS[word]]
+    curvatures = [turn / radius for turn in turns(word)]
     assert_same_pose(*drive(curvatures, lengths), goal)
     forward, left, heading = pose_on_path(word, *lengths, radius, sum(lengths))
     assert_same_pose(complex(forward, left), heading, goal)
@@ -71,7 +78,8 @@ def test_the_shortest_path_is_the_shortest_word(goal, radius):
 def test_every_word_is_the_shortest_somewhere_and_named_by_its_turns():
     shortest = {shortest_path(*goal, 1.5)[0] for goal in random_goals(2_000)}
     assert shortest == set(range(6))
-    assert ["".join("RSL"[turn + 1] for turn in turns) for turns in TURNS] == list(WORDS)
+    for word, letters in enumerate(WORDS):
+        assert turns(word) == tuple("RSL".index(letter) - 1.0 for letter in letters)
 
 
 # An oracle that knows no closed form: the first arc is looked for numerically, on the condition
@@ -159,7 +167,7 @@ def test_a_goal_on_the_own_circle_is_reached_along_it(side, angle, radius):
 def test_straight_ahead_is_straight(distance):
     word, first, second, third = shortest_path(distance, 0.0, 0.0, 2.0)
     if distance:
-        assert TURNS[word][1] == 0
+        assert turns(word)[1] == 0
     assert (first, second, third) == (0.0, distance, 0.0)
 
 
@@ -244,5 +252,5 @@ def test_a_pose_on_the_path_is_as_far_from_the_goal_as_is_left_of_the_path(goal,
     done = min(max(share, 0.0), 1.0) * total
     edges = np.concatenate([[0.0], np.cumsum(lengths)])
     driven = np.diff(np.minimum(edges, done))
-    place, there = drive([turn / radius for turn in TURNS[word]], driven)
+    place, there = drive([turn / radius for turn in turns(word)], driven)
     assert_same_pose(complex(forward, left), heading, (place.real, place.imag, there), 1e-8)

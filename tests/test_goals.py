@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import budget, limit, open_plane, put, stand, view, wrapped
+from conftest import ALL, aim, budget, limit, open_plane, put, stand, wrapped
 
 from baselines.avoid_jack import AvoidJack
 from baselines.pursuit import DubinsPursuit
@@ -34,7 +34,7 @@ TASK = Task(distance_tolerance=0.5, heading_tolerance=0.1)
 def hits(distances, turns, direction=0.0, goal_heading=0.0):
     """Tell which HAVs hit a goal at these distances [m] and heading differences [rad]."""
     batch = open_plane(len(distances), task=TASK)
-    batch.worlds.goals[:] = np.array([0.0, 0.0, goal_heading])[:, None]
+    aim(batch.worlds, ALL, ALL, 0.0, 0.0, goal_heading)
     for w, (distance, turn) in enumerate(zip(distances, turns, strict=True)):
         place = distance * np.exp(1j * direction)
         put(batch.worlds, [3.0, 4.0], place.real, place.imag, goal_heading + turn, w=w)
@@ -63,12 +63,14 @@ def test_tolerances_hold_all_round_and_across_half_a_turn(direction, goal_headin
 
 def test_whoever_hits_waits_until_all_have_and_then_all_go_on():
     batch = open_plane(1, 2, task=TASK, goals=3)
-    world = view(batch.worlds)
+    world = batch.world(0)
     limit(batch.worlds)
     goals = np.array(
         [[[0.0, 0, 0], [50, 0, 0], [0, 0, 0]], [[500.0, 0, 0], [550, 0, 0], [0, 0, 0]]]
     )
     world.goals[:] = goals
+    for agent in range(2):
+        aim(batch.worlds, agent, 0, *goals[agent, 0])
     put(batch.worlds, [3.0, 4.0], 0.0, 0.0, agent=0)
     put(batch.worlds, [3.0, 4.0], 490.0, 0.0, agent=1)
     stand(batch)
@@ -143,7 +145,7 @@ def test_the_record_of_an_approach_follows_from_distances_and_headings():
     """Random approaches, looked at step by step; the oracle knows the definitions alone."""
     num_worlds, steps, rng = budget(800, 100), 12, np.random.default_rng(6)
     batch = open_plane(num_worlds, task=TASK)
-    batch.worlds.goals[:] = np.array([3.0, -4.0, 3.0])[:, None]
+    aim(batch.worlds, ALL, ALL, 3.0, -4.0, 3.0)
     batch.worlds.record.goal[:, :, CLOSEST] = math.inf
     history = [[] for _ in range(num_worlds)]
     for step in range(1, steps + 1):
@@ -189,7 +191,7 @@ def test_the_dubins_length_is_measured_from_where_a_goal_was_assigned():
     batch = Batch(RandomPoses(num_havs=3), 10)
     batch.reset(2)
     for w in range(10):
-        world = view(batch.worlds, w)
+        world = batch.world(w)
         for agent in range(3):
             x, y, heading = world.goals[agent, 0]
             away = complex(x - world.state.x[agent], y - world.state.y[agent])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import limit, open_plane, put, stand, view
+from conftest import limit, open_plane, put, stand
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -64,7 +64,7 @@ def test_the_first_jackknife_stays_recorded():
     for bends in ([0.0, 0.0], [0.0, 1.6], [-2.0, 0.0], [0.0, 0.0]):
         put(batch.worlds, [3.0] * 3, headings=np.r_[0.0, np.cumsum(bends)])
         stand(batch)
-    record = view(batch.worlds).record
+    record = batch.world(0).record
     assert record.first[0, JACKKNIFE].tolist() == [2, 2]
     assert record.total[0, LARGEST] == 2.0
 
@@ -88,8 +88,8 @@ def test_a_drive_on_a_tight_circle_jackknifes_when_the_equations_say_so(most):
     put(batch.worlds, lengths)
     for _ in range(step + 20):
         batch.step(np.ones((1, 1)), np.full((1, 1), steering))
-    assert view(batch.worlds).record.first[0, JACKKNIFE].tolist() == [step, bent[0] + 1]
-    assert view(batch.worlds).record.total[0, LARGEST] > most
+    assert batch.world(0).record.first[0, JACKKNIFE].tolist() == [step, bent[0] + 1]
+    assert batch.world(0).record.total[0, LARGEST] > most
 
 
 def test_a_hav_that_folds_through_shows_more_than_half_a_turn():
@@ -98,6 +98,6 @@ def test_a_hav_that_folds_through_shows_more_than_half_a_turn():
     put(batch.worlds, [2.0, 9.0])
     for _ in range(300):
         batch.step(np.ones((1, 1)), np.full((1, 1), 1.2))
-    record = view(batch.worlds).record
+    record = batch.world(0).record
     assert record.total[0, LARGEST] > math.pi
     assert record.first[0, JACKKNIFE, WHERE] == 1

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import budget, limit, open_plane, put, stand, view
+from conftest import budget, limit, open_plane, put, stand
 from scipy.integrate import solve_ivp
 
 from hav_env import Batch, OnAxle, RandomPoses, Task
@@ -114,7 +114,7 @@ def on_circle(lengths, last_radius, steps):
 @pytest.mark.parametrize("lengths", CIRCLES)
 def test_on_a_steady_circle_each_joint_bends_by_length_over_hitch_radius(lengths):
     batch, radius = on_circle(lengths, 4.0, budget(4000, 2000))
-    state = view(batch.worlds).state
+    state = batch.world(0).state
     for joint in range(1, len(lengths)):
         articulation = state.heading[0, joint] - state.heading[0, joint - 1]
         assert math.sin(abs(articulation)) == pytest.approx(lengths[joint] / radius, abs=1e-6)
@@ -140,7 +140,7 @@ def test_radii_follow_from_the_lengths(num_havs, share):
     batch = Batch(RandomPoses(num_havs=num_havs, footprint_truck_share=share), 20)
     batch.reset(3)
     for w in range(20):
-        fleet = view(batch.worlds, w).fleet
+        fleet = batch.world(w).fleet
         for agent in range(num_havs):
             lengths = fleet.length[agent, : fleet.num_trailers[agent] + 1]
             assert fleet.radius[agent, STABLE] == pytest.approx(np.linalg.norm(lengths))
@@ -158,7 +158,7 @@ def drive_moved(place, turn=0.0, mirror=1.0):
     put(batch.worlds, HAVS[5], start.real, mirror * start.imag if turn == 0 else start.imag)
     put(batch.worlds, HAVS[5], *batch.worlds.state.x[0], *batch.worlds.state.y[0], headings)
     drive(batch, 0.9, mirror * np.repeat(STEERINGS, 30))
-    state = view(batch.worlds).state
+    state = batch.world(0).state
     end = complex(state.x[0], mirror * state.y[0])
     return (end - place) * np.exp(-1j * turn), mirror * (state.heading[0] - turn)
 
@@ -187,7 +187,7 @@ def test_a_straight_hav_that_does_not_steer_stays_straight(n):
     limit(batch.worlds)
     put(batch.worlds, HAVS[n], 1.0, 2.0, 0.7)
     drive(batch, 0.5, np.zeros(100))
-    assert (view(batch.worlds).state.heading[0] == 0.7).all()
+    assert (batch.world(0).state.heading[0] == 0.7).all()
     there = 1.0 + 10.0 * math.cos(0.7), 2.0 + 10.0 * math.sin(0.7)
     assert positions(batch)[:2, 0, 0] == pytest.approx(there)
 
@@ -197,7 +197,7 @@ def test_a_steady_truck_straightens_any_recoverable_hav():
     limit(batch.worlds)
     put(batch.worlds, HAVS[5], headings=BENDS[5])
     drive(batch, 1.0, np.zeros(2000))
-    assert np.ptp(view(batch.worlds).state.heading[0]) < 1e-3
+    assert np.ptp(batch.world(0).state.heading[0]) < 1e-3
 
 
 @pytest.mark.parametrize(

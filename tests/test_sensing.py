@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from conftest import limit, open_plane, put, wrapped
-from probes import NEIGHBOR_COLUMNS, Probe
+from conftest import aim, limit, open_plane, put, wrapped
+from probes import FIRST_NEIGHBOR, NEIGHBOR_COLUMNS, Probe
 
 from baselines.policy import allocate_memory, decide
 from hav_env import Task
@@ -29,7 +29,7 @@ def sense(shift=0j, turn=0.0):
             moved = place * np.exp(1j * turn) + shift
             put(batch.worlds, lengths, moved.real, moved.imag, headings + turn, w=w, agent=agent)
             there = goal[0] * np.exp(1j * turn) + shift
-            batch.worlds.goals[agent, 0, :, w] = there.real, there.imag, goal[1] + turn
+            aim(batch.worlds, agent, w, there.real, there.imag, goal[1] + turn)
     batch.worlds.state.waiting[:] = True  # find neighbours, touch nothing
     batch.step(*np.zeros((2, NUM_HAVS, NUM_WORLDS)))
     batch.worlds.state.waiting[:] = False  # who waits does not look
@@ -48,6 +48,8 @@ def test_a_hav_senses_itself_its_goal_and_who_is_in_range():
         own += [wrapped(goal_heading - headings[0]), sum(lengths[1:]), joint.real, joint.imag]
         assert row[:12] == pytest.approx(own, abs=1e-9)
         assert row[12:15].tolist() == [0, w, 1]  # seed, episode, step
+        away = np.exp(1j * goal_heading) * frame
+        assert row[15:17] == pytest.approx([away.real, away.imag], abs=1e-9)
         rows = []
         for other in range(NUM_HAVS):
             lengths_, headings_, place_, _ = scene[other, w]
@@ -57,8 +59,8 @@ def test_a_hav_senses_itself_its_goal_and_who_is_in_range():
                 there = (place_ - place) * frame
                 turn = wrapped(headings_[1] - headings[0])
                 rows += [other, there.real, there.imag, gap, turn, sum(lengths_[1:]), lengths_[1]]
-        assert row[15] == len(rows) / NEIGHBOR_COLUMNS
-        assert row[16 : 16 + len(rows)] == pytest.approx(rows, abs=1e-9)
+        assert row[FIRST_NEIGHBOR - 1] == len(rows) / NEIGHBOR_COLUMNS
+        assert row[FIRST_NEIGHBOR:][: len(rows)] == pytest.approx(rows, abs=1e-9)
 
 
 @pytest.mark.parametrize(("shift", "turn"), [(1e4 - 3e3j, 0.0), (0j, 2.5), (70 + 80j, -1.1)])

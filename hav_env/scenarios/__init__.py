@@ -22,8 +22,8 @@ from hav_env.scenarios.random_poses import (
 
 
 @generic
-def populate(scenario, world):
-    """Fill fleet, start poses and goals of one world from the key of its episode.
+def populate(scenario, world, lane):
+    """Fill fleet, start poses and goals of the world in one lane from the key of its episode.
 
     Returns False when the scenario found no room for its HAVs.
     """

@@ -70,7 +70,7 @@ def explicit(
         len(goals[0]),
         most - 1,
         np.array([len(units) - 1 for units in lengths]),
-        np.array([[*units, *[1.0] * (most - len(units))] for units in lengths], float),
+        np.array([[*units, *[math.inf] * (most - len(units))] for units in lengths], float),
         np.array(start, float),
         np.array(goals, float),
         float(speed_max),
@@ -164,20 +164,25 @@ def check_explicit(scenario: Explicit) -> None:
                     )
 
 
-def populate_explicit(scenario, world):
-    """Copy the scenario into one world."""
+def populate_explicit(scenario, world, lane):
+    """Copy the scenario into one lane."""
     fleet = world.fleet
     for agent in range(scenario.num_havs):
-        fleet.num_trailers[agent] = scenario.num_trailers[agent]
+        fleet.num_trailers[agent, lane] = scenario.num_trailers[agent]
         for unit in range(scenario.length.shape[1]):
-            fleet.length[agent, unit] = scenario.length[agent, unit]
+            fleet.length[agent, unit, lane] = scenario.length[agent, unit]
         set_limits(
-            fleet, agent, scenario.speed_max, scenario.steering_max, scenario.articulation_max
+            fleet,
+            agent,
+            lane,
+            scenario.speed_max,
+            scenario.steering_max,
+            scenario.articulation_max,
         )
-        derive_radii(fleet, agent, 0.0)
+        derive_radii(fleet, agent, lane, 0.0)
         x, y, heading = scenario.start[agent]
-        put_straight(world.state, agent, x, y, heading)
+        put_straight(world.state, agent, lane, x, y, heading)
         for goal in range(scenario.num_goals):
             for part in range(3):
-                world.goals[agent, goal, part] = scenario.goals[agent, goal, part]
+                world.goals[agent, goal, part, lane] = scenario.goals[agent, goal, part]
     return True

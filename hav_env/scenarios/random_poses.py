@@ -58,23 +58,23 @@ class RandomPoses(NamedTuple):
     """Worlds drawn before the density is held to be unreachable."""
 
 
-def populate_random_poses(scenario, world):
+def populate_random_poses(scenario, world, lane):
     """Draw one world; worlds that leave no room for a pose are drawn afresh, a bounded number."""
-    key = world.state.clock[SEED], world.state.clock[EPISODE], _STREAM
+    clock = world.state.clock
+    key = clock[SEED, lane], clock[EPISODE, lane], _STREAM
     draw = 0
     for _ in range(scenario.world_attempts):
-        draw = _draw_fleet(scenario, world.fleet, key, draw)
-        side = _area_side(scenario, world.fleet)
+        draw = _draw_fleet(scenario, world.fleet, lane, key, draw)
+        side = _area_side(scenario, world.fleet, lane)
         # phase -1 stands for the starts, drawn where the first goals will be
         for phase in range(-1, scenario.num_goals):
-            poses = world.goals[:, max(phase, 0)]
-            draw = _place_all(scenario, world.fleet, side, poses, key, draw)
+            draw = _place_all(scenario, world, max(phase, 0), side, lane, key, draw)
             if draw < 0:
                 break
             if phase < 0:
-                for agent in range(poses.shape[0]):
-                    x, y, heading = poses[agent]
-                    put_straight(world.state, agent, x, y, heading)
+                for agent in range(scenario.num_havs):
+                    x, y, heading = world.goals[agent, 0, :, lane]
+                    put_straight(world.state, agent, lane, x, y, heading)
         if draw >= 0:
             return True
         draw = -draw
@@ -82,21 +82,26 @@ def populate_random_poses(scenario, world):
 
 
 @kernel
-def _draw_fleet(scenario, fleet, key, draw):
+def _draw_fleet(scenario, fleet, lane, key, draw):
     for agent in range(fleet.num_trailers.shape[0]):
         count, draw = _draw_count(scenario, key, draw)
         truck, draw = _draw_truck(scenario, key, draw)
-        fleet.num_trailers[agent] = count
-        fleet.length[agent, :] = 1.0
-        fleet.length[agent, 0] = truck
+        fleet.num_trailers[agent, lane] = count
+        fleet.length[agent, :, lane] = math.inf
+        fleet.length[agent, 0, lane] = truck
         for unit in range(1, count + 1):
             span = scenario.max_length - scenario.min_length
-            fleet.length[agent, unit] = scenario.min_length + span * uniform(*key, draw)
+            fleet.length[agent, unit, lane] = scenario.min_length + span * uniform(*key, draw)
             draw += 1
         set_limits(
-            fleet, agent, scenario.speed_max, scenario.steering_max, scenario.articulation_max
+            fleet,
+            agent,
+            lane,
+            scenario.speed_max,
+            scenario.steering_max,
+            scenario.articulation_max,
         )
-        derive_radii(fleet, agent, scenario.footprint_truck_share)
+        derive_radii(fleet, agent, lane, scenario.footprint_truck_share)
     return draw
 
 
@@ -127,28 +132,30 @@ def _draw_truck(scenario, key, draw):
 
 
 @kernel
-def _area_side(scenario, fleet):
+def _area_side(scenario, fleet, lane):
     """Return A [m]: A^2 = 4 sum_i pi d_i^2 for the paper's area factor."""
     footprints = 0.0
     for agent in range(fleet.radius.shape[0]):
-        footprints += math.pi * fleet.radius[agent, FOOTPRINT] * fleet.radius[agent, FOOTPRINT]
+        radius = fleet.radius[agent, FOOTPRINT, lane]
+        footprints += math.pi * radius * radius
     return math.sqrt(scenario.area_factor * footprints)
 
 
 @kernel
-def _place_all(scenario, fleet, side, poses, key, draw):
-    """Draw poses (N, 3), none in potential collision with another; return the next draw.
+def _place_all(scenario, world, phase, side, lane, key, draw):
+    """Draw the goals of a phase, none in potential collision with another; return the next draw.
 
     The draw comes back negative when there was no room.
     """
-    for agent in range(poses.shape[0]):
+    goals = world.goals
+    for agent in range(scenario.num_havs):
         free = False
         for _ in range(scenario.pose_attempts):
-            poses[agent, 0] = side * uniform(*key, draw)
-            poses[agent, 1] = side * uniform(*key, draw + 1)
-            poses[agent, 2] = 2.0 * math.pi * uniform(*key, draw + 2)
+            goals[agent, phase, 0, lane] = side * uniform(*key, draw)
+            goals[agent, phase, 1, lane] = side * uniform(*key, draw + 1)
+            goals[agent, phase, 2, lane] = 2.0 * math.pi * uniform(*key, draw + 2)
             draw += 3
-            free = _is_free(fleet, poses, agent)
+            free = _is_free(world, phase, agent, lane)
             if free:
                 break
         if not free:
@@ -157,10 +164,12 @@ def _place_all(scenario, fleet, side, poses, key, draw):
 
 
 @kernel
-def _is_free(fleet, poses, agent):
+def _is_free(world, phase, agent, lane):
+    goals = world.goals
     for other in range(agent):
-        dx, dy = poses[agent, 0] - poses[other, 0], poses[agent, 1] - poses[other, 1]
-        if math.sqrt(dx * dx + dy * dy) <= collision_distance(fleet, agent, other):
+        dx = goals[agent, phase, 0, lane] - goals[other, phase, 0, lane]
+        dy = goals[agent, phase, 1, lane] - goals[other, phase, 1, lane]
+        if math.sqrt(dx * dx + dy * dy) <= collision_distance(world.fleet, agent, other, lane):
             return False
     return True
 

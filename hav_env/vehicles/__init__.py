@@ -7,10 +7,12 @@ from hav_env.vehicles.on_axle import OnAxle, check_on_axle, move_on_axle
 
 
 @generic
-def move(vehicle, dt, world, agent, speed, steering):
-    """Move one HAV of a world for ``dt`` [s] at a truck speed [m/s] and steering angle [rad].
+def move(vehicle, dt, world, agent):
+    """Move one HAV in every lane of a block of worlds, for ``dt`` [s].
 
-    Writes the pose and the headings of the HAV. Speed and steering are within its limits.
+    Reads the truck's speed ``state.speed[agent]`` [m/s] and ``state.steering[agent]`` [rad], which
+    are within the HAV's limits, speed zero for one that waits. Writes the pose, and the headings
+    with their cosines and sines. Units beyond a HAV's last have infinite length: they do not turn.
     """
 
 

@@ -1,9 +1,11 @@
 """The paper's kinematics: an Ackermann truck, trailers hitched on the axle ahead."""
 
-import math
 from typing import NamedTuple
 
-from hav_env.world import turn_unit
+from hav_env.compiled import kernel
+from hav_env.elementary import sincos
+from hav_env.geometry import into_frame
+from hav_env.world import AHEAD_COSINE, AHEAD_SINE, AHEAD_SPEED, turn_unit
 
 
 class OnAxle(NamedTuple):
@@ -27,29 +29,68 @@ def check_on_axle(vehicle: OnAxle) -> None:
         raise ValueError(f"vehicle substeps is {vehicle.substeps}, but must be a whole number >= 1")
 
 
-def move_on_axle(vehicle, dt, world, agent, speed, steering):
-    """Integrate eqs. (kinematics) and (kinematics-trailers).
+@kernel
+def truck_yaw_rate(speed, steering, wheelbase):
+    """Return v^0 tan(phi) / l^0 [rad/s], eq. (kinematics)."""
+    sine, cosine = sincos(steering)
+    return speed * sine / (wheelbase * cosine)
 
-    The sine and the cosine of an articulation come from those of the two headings, which the state
-    keeps.
-    """
-    state, length = world.state, world.fleet.length
+
+@kernel
+def trailer_yaw_rate(speed_ahead, sine_articulation, length):
+    """Return -v^{j-1} sin(delta^j) / l^j [rad/s], eq. (kinematics-trailers)."""
+    return -speed_ahead * sine_articulation / length
+
+
+@kernel
+def trailer_speed(speed_ahead, cosine_articulation):
+    """Return v^j = v^{j-1} cos(delta^j) [m/s], eq. (kinematics-trailers)."""
+    return speed_ahead * cosine_articulation
+
+
+def move_on_axle(vehicle, dt, world, agent):
+    """Integrate eqs. (kinematics) and (kinematics-trailers)."""
     h = dt / vehicle.substeps
-    yaw_per_speed = math.tan(steering) / length[agent, 0]
     for _ in range(vehicle.substeps):
-        cosine_ahead, sine_ahead = state.cosine[agent, 0], state.sine[agent, 0]
-        turn_unit(state, agent, 0, state.heading[agent, 0] + h * speed * yaw_per_speed)
-        if not vehicle.simultaneous:
-            cosine_ahead, sine_ahead = state.cosine[agent, 0], state.sine[agent, 0]
-        state.x[agent] += h * speed * cosine_ahead
-        state.y[agent] += h * speed * sine_ahead
-        unit_speed = speed  # v^{j-1}, which decreases from unit to unit
-        for unit in range(1, world.fleet.num_trailers[agent] + 1):
-            cosine, sine = state.cosine[agent, unit], state.sine[agent, unit]
-            sine_articulation = sine * cosine_ahead - cosine * sine_ahead
-            yaw_rate = -unit_speed / length[agent, unit] * sine_articulation
-            turn_unit(state, agent, unit, state.heading[agent, unit] + h * yaw_rate)
-            if not vehicle.simultaneous:
-                cosine, sine = state.cosine[agent, unit], state.sine[agent, unit]
-            unit_speed *= cosine * cosine_ahead + sine * sine_ahead
-            cosine_ahead, sine_ahead = cosine, sine
+        _move_truck(vehicle, h, world, agent)
+        for unit in range(1, world.units):
+            _pull_trailer(vehicle, h, world, agent, unit)
+
+
+@kernel
+def _move_truck(vehicle, h, world, agent):
+    state = world.state
+    for lane in range(world.lanes):
+        speed, wheelbase = state.speed[agent, lane], world.fleet.length[agent, 0, lane]
+        before = state.cosine[agent, 0, lane], state.sine[agent, 0, lane]
+        rate = truck_yaw_rate(speed, state.steering[agent, lane], wheelbase)
+        after = turn_unit(state, agent, 0, lane, state.heading[agent, 0, lane] + h * rate)
+        cosine, sine = before if vehicle.simultaneous else after
+        state.x[agent, lane] += h * speed * cosine
+        state.y[agent, lane] += h * speed * sine
+        _tow(state, lane, speed, cosine, sine)
+
+
+@kernel
+def _pull_trailer(vehicle, h, world, agent, unit):
+    state = world.state
+    for lane in range(world.lanes):
+        speed_ahead = state.ahead[AHEAD_SPEED, lane]
+        ahead = state.ahead[AHEAD_COSINE, lane], state.ahead[AHEAD_SINE, lane]
+        before = state.cosine[agent, unit, lane], state.sine[agent, unit, lane]
+        _, sine_articulation = into_frame(*before, *ahead)
+        rate = trailer_yaw_rate(
+            speed_ahead, sine_articulation, world.fleet.length[agent, unit, lane]
+        )
+        after = turn_unit(state, agent, unit, lane, state.heading[agent, unit, lane] + h * rate)
+        cosine, sine = before if vehicle.simultaneous else after
+        cosine_articulation, _ = into_frame(cosine, sine, *ahead)
+        _tow(state, lane, trailer_speed(speed_ahead, cosine_articulation), cosine, sine)
+
+
+@kernel
+def _tow(state, lane, speed, cosine, sine):
+    """Leave to the unit behind what it needs to know of this one."""
+    state.ahead[AHEAD_SPEED, lane] = speed
+    state.ahead[AHEAD_COSINE, lane] = cosine
+    state.ahead[AHEAD_SINE, lane] = sine

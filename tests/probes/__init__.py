@@ -22,12 +22,12 @@ def _(policy: Weaving) -> int:
 
 
 @act.register(Weaving)
-def weave(policy, memory, world, agent):
-    memory[agent, 0] += 1.0
-    if memory[agent, 0] > memory[agent, 1]:
-        memory[agent, 0] = 0.0
-        memory[agent, 1] += 1.0
-    return 1.0, policy.gain * (1.0 if memory[agent, 1] % 2.0 == 0.0 else -1.0)
+def weave(policy, memory, world, agent, lane):
+    memory[agent, 0, lane] += 1.0
+    if memory[agent, 0, lane] > memory[agent, 1, lane]:
+        memory[agent, 0, lane] = 0.0
+        memory[agent, 1, lane] += 1.0
+    return 1.0, policy.gain * (1.0 if memory[agent, 1, lane] % 2.0 == 0.0 else -1.0)
 
 
 class Probe(NamedTuple):
@@ -36,7 +36,7 @@ class Probe(NamedTuple):
     width: int = 64
 
 
-NEIGHBOR_COLUMNS = 7
+FIRST_NEIGHBOR, NEIGHBOR_COLUMNS = 18, 7
 
 
 @memory_size.register
@@ -45,24 +45,24 @@ def _(policy: Probe) -> int:
 
 
 @act.register(Probe)
-def probe(policy, memory, world, agent):
-    row = memory[agent]
-    row[0] = sensing.num_trailers(world, agent)
-    row[1] = sensing.unit_length(world, agent, 0)
-    row[2] = sensing.stable_radius(world, agent)
-    row[3], row[4], row[5] = sensing.limits(world, agent)
-    row[6], row[7], row[8] = sensing.goal_pose(world, agent)
-    row[9] = sensing.own_footprint(world, agent)
-    row[10] = sensing.articulation_cosine(world, agent, 1)
-    row[11] = sensing.articulation_sine(world, agent, 1)
-    row[12], row[13], row[14] = sensing.episode_key(world)
-    row[15] = sensing.num_neighbors(world, agent)
-    for k in range(sensing.num_neighbors(world, agent)):
-        at = 16 + 7 * k
-        row[at] = sensing.neighbor_id(world, agent, k)
-        row[at + 1], row[at + 2] = sensing.neighbor_position(world, agent, k)
-        row[at + 3] = sensing.neighbor_distance(world, agent, k)
-        row[at + 4] = sensing.neighbor_heading(world, agent, k, 1)
-        row[at + 5] = sensing.neighbor_footprint(world, agent, k)
-        row[at + 6] = sensing.neighbor_length(world, agent, k, 1)
+def probe(policy, memory, world, agent, lane):
+    row = memory[agent, :, lane]
+    row[0] = sensing.num_trailers(world, agent, lane)
+    row[1] = sensing.unit_length(world, agent, 0, lane)
+    row[2] = sensing.stable_radius(world, agent, lane)
+    row[3], row[4], row[5] = sensing.limits(world, agent, lane)
+    row[6], row[7], row[8] = sensing.goal_pose(world, agent, lane)
+    row[9] = sensing.own_footprint(world, agent, lane)
+    row[10], row[11] = sensing.articulation_direction(world, agent, 1, lane)
+    row[12], row[13], row[14] = sensing.episode_key(world, lane)
+    row[15], row[16] = sensing.goal_direction(world, agent, lane)
+    row[17] = sensing.num_neighbors(world, agent, lane)
+    for k in range(sensing.num_neighbors(world, agent, lane)):
+        at = FIRST_NEIGHBOR + NEIGHBOR_COLUMNS * k
+        row[at] = sensing.neighbor_id(world, agent, k, lane)
+        row[at + 1], row[at + 2] = sensing.neighbor_position(world, agent, k, lane)
+        row[at + 3] = sensing.neighbor_distance(world, agent, k, lane)
+        row[at + 4] = sensing.neighbor_heading(world, agent, k, 1, lane)
+        row[at + 5] = sensing.neighbor_footprint(world, agent, k, lane)
+        row[at + 6] = sensing.neighbor_length(world, agent, k, 1, lane)
     return 0.0, 0.0

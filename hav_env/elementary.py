@@ -1,0 +1,109 @@
+"""Sine, cosine, arctangent, exponential and rounding in a form that works on several lanes at once.
+
+The C library's functions are called for one number at a time, and differ from platform to platform.
+These consist of additions, multiplications, divisions and selections alone, so a compiler turns a
+loop over lanes into vector instructions, and the same numbers come out everywhere: compiled for any
+processor or run by Python.
+
+Errors are in units in the last place (ulp) of the result, measured against exact values by
+tests/test_elementary.py.
+"""
+
+import math
+
+from hav_env.compiled import bits_of, float_of, kernel
+
+# Added to a float below 2**51, this leaves no bits for a fraction: it rounds to the nearest whole
+# number, half to even, and that number stands in the lowest bits.
+_ROUNDER = 1.5 * 2.0**52
+_ROUNDER_BITS = bits_of(_ROUNDER)
+_QUARTER_TURNS = 2.0 / math.pi
+# pi / 2 in three parts. The first two have 33 bits: their products with small whole numbers are
+# exact (Cody and Waite, as in fdlibm).
+_QUARTER_1 = 1.57079632673412561417e00
+_QUARTER_2 = 6.07710050630396597660e-11
+_QUARTER_3 = 2.02226624879595063154e-21
+_TAN_PI_8 = 0.41421356237309503
+_SMALLEST = 1e-300  # keeps 0 / 0 away
+_LOG2_E = 1.4426950408889634
+_LN_2_HIGH = 6.93147180369123816490e-01  # 33 bits
+_LN_2_LOW = 1.90821492927058770002e-10
+_EXP_LOW, _EXP_HIGH = -708.0, 709.0  # what still has a normal result
+
+
+@kernel
+def floor(x):
+    """Return the greatest whole number that is not above x, for |x| < 2**51, as a float."""
+    nearest = (x + _ROUNDER) - _ROUNDER
+    return nearest - 1.0 if nearest > x else nearest
+
+
+@kernel
+def sincos(angle):
+    """Return sine and cosine of an angle [rad]: within 2 ulp for |angle| up to 1e6.
+
+    The angle is reduced to [-pi / 4, pi / 4]; there the polynomials are fdlibm's. Beyond, the
+    reduction loses digits, and beyond 1e15 or so the result means nothing; not a number stays so.
+    """
+    shifted = angle * _QUARTER_TURNS + _ROUNDER
+    quarters = shifted - _ROUNDER
+    quadrant = bits_of(shifted) - _ROUNDER_BITS
+    r = ((angle - quarters * _QUARTER_1) - quarters * _QUARTER_2) - quarters * _QUARTER_3
+    z = r * r
+    p = 1.58969099521155010221e-10 * z - 2.50507602534068634195e-08
+    p = (p * z + 2.75573137070700676789e-06) * z - 1.98412698298579493134e-04
+    p = (p * z + 8.33333333332248946124e-03) * z - 1.66666666666666324348e-01
+    q = -1.13596475577881948265e-11 * z + 2.08757232129817482790e-09
+    q = (q * z - 2.75573143513506633035e-07) * z + 2.48015872894767294178e-05
+    q = (q * z - 1.38888888888741095749e-03) * z + 4.16666666666666019037e-02
+    sine = r + r * z * p
+    half = 0.5 * z
+    rest = 1.0 - half
+    cosine = rest + (((1.0 - rest) - half) + z * z * q)
+    swapped = (quadrant & 1) != 0
+    first, second = cosine if swapped else sine, sine if swapped else cosine
+    return (
+        -first if (quadrant & 2) != 0 else first,
+        -second if ((quadrant + 1) & 2) != 0 else second,
+    )
+
+
+@kernel
+def atan2(y, x):
+    """Return the angle of (x, y) in [-pi, pi]: within 3 ulp.
+
+    atan2(0, 0) is 0; a zero has no sign: atan2(-0.0, -1.0) is pi. The larger of |x| and |y| must
+    be 0 or from 1e-280 to 1e300. The rational function is Cephes', on [-tan(pi / 8), tan(pi / 8)].
+    """
+    across, along = abs(y), abs(x)
+    small, large = min(across, along), max(across, along) + _SMALLEST
+    steep = small > _TAN_PI_8 * large
+    t = (small - large if steep else small) / (small + large if steep else large)
+    z = t * t
+    p = (-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z
+    p = ((p - 7.500855792314704667340e1) * z - 1.228866684490136173410e2) * z
+    p -= 6.485021904942025371773e1
+    q = ((z + 2.485846490142306297962e1) * z + 1.650270098316988542046e2) * z
+    q = ((q + 4.328810604912902668951e2) * z + 4.853903996359136964868e2) * z
+    q += 1.945506571482613964425e2
+    angle = t + t * (z * p / q)
+    angle = angle + 0.25 * math.pi if steep else angle
+    angle = 0.5 * math.pi - angle if across > along else angle
+    angle = math.pi - angle if x < 0.0 else angle
+    return -angle if y < 0.0 else angle
+
+
+@kernel
+def exp(x):
+    """Return e**x within 2 ulp; x is cut to [-708, 709], where the result is a normal number."""
+    x = min(max(x, _EXP_LOW), _EXP_HIGH)
+    shifted = x * _LOG2_E + _ROUNDER
+    doublings = shifted - _ROUNDER
+    r = (x - doublings * _LN_2_HIGH) - doublings * _LN_2_LOW
+    # fdlibm: with c(r) = r - r^2 P(r^2), e^r = 1 + r + r c / (2 - c)
+    z = r * r
+    c = 4.13813679705723846039e-08 * z - 1.65339022054652515390e-06
+    c = (c * z + 6.61375632143793436117e-05) * z - 2.77777777770155933842e-03
+    c = r - z * (c * z + 1.66666666666666019037e-01)
+    power = float_of((bits_of(shifted) - _ROUNDER_BITS + 1023) << 52)  # 2**doublings
+    return power * (1.0 + (r + r * c / (2.0 - c)))
