@@ -137,6 +137,6 @@ def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.nda
         batch.worlds,
         speed,
         steering,
-        threads=batch.threads,
+        threads=batch.num_threads,
     )
     return speed, steering

@@ -21,7 +21,7 @@ from hav_env.scenarios import check_scenario
 from hav_env.task import check_task
 from hav_env.vehicles import OnAxle, check_vehicle
 
-PART = 500  # HAVs' episodes in one part: seconds of work, and what memory holds at a time
+PART = 2_250  # HAVs' episodes in one part: seconds of work, and what memory holds at a time
 
 
 class Experiments(NamedTuple):

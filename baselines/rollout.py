@@ -9,14 +9,13 @@ from baselines.metrics import tabulate
 from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
 from hav_env.batch import LANES
-from hav_env.compiled import canonical, default_threads, entry, kernel, run_on_threads
+from hav_env.compiled import VECTOR, canonical, default_threads, entry, kernel, run_on_threads
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
 from hav_env.world import allocate_worlds, block_of, copy_lane, copy_world
 
 _SHARES = 4  # of each thread
 _FEWEST = 64  # episodes that are worth a share
-_VECTOR = 16  # lanes that are worked on in whole vectors: idle ones cost less than odd ones
 
 
 @entry
@@ -41,7 +40,8 @@ def rollout_worlds(
         waiting, active = waiting + 1, active + 1
     units = _longest(stage, active)
     while active > 0:
-        lanes = min((active + _VECTOR - 1) // _VECTOR * _VECTOR, stage.lanes)
+        # idle lanes in a whole vector cost less than odd ones
+        lanes = min((active + VECTOR - 1) // VECTOR * VECTOR, stage.lanes)
         block = block_of(stage, 0, lanes, units)
         act_all(policy, memory, block, speed, steering)
         if step(task, vehicle, block, speed, steering) == 0:
@@ -129,9 +129,9 @@ def _roll(policy, batch: Batch, order: np.ndarray) -> None:
 
     The stage is the thread's own: threads that write side by side would wait for each other.
     """
-    num_havs, num_goals, _, _ = batch.worlds.goals.shape
-    lanes = min(len(order), max(_VECTOR, LANES // num_havs))
-    stage = allocate_worlds(lanes, num_havs, batch.worlds.units, num_goals)
+    num_havs, num_units, _ = batch.worlds.state.heading.shape
+    lanes = min(len(order), max(VECTOR, LANES // num_havs))
+    stage = allocate_worlds(lanes, num_havs, num_units, batch.scenario.num_goals)
     rollout_worlds(
         len(order),
         policy,

@@ -4,7 +4,7 @@ import numbers
 
 import numpy as np
 
-from hav_env.compiled import canonical, entry, lanes_from
+from hav_env.compiled import canonical, default_threads, entry, lanes_from
 from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.task import Task, check_task
@@ -12,6 +12,7 @@ from hav_env.transition import begin, step
 from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world import STEP, World, allocate_worlds, block_of, view_of
 
+_FEWEST = 256  # HAVs whose step takes longer than to wake a thread
 LANES = 128  # worlds of a block: what a step reads and writes then stays in the nearest caches
 
 
@@ -100,9 +101,11 @@ class Batch:
             seed,
             episodes,
             placed,
-            threads=self.threads,
+            threads=self.num_threads,
         )
         check_placed(placed, self.scenario)
+        longest = int(self.worlds.fleet.num_trailers.max())
+        self.worlds = self.worlds._replace(units=longest + 1)
         self._begun = True
 
     def step(self, speed: np.ndarray, steering: np.ndarray) -> None:
@@ -128,8 +131,14 @@ class Batch:
                 raise ValueError(f"{name} holds a number that is not finite")
             arrays.append(np.ascontiguousarray(array))
         step_worlds(
-            self.num_worlds, self.task, self.vehicle, self.worlds, *arrays, threads=self.threads
+            self.num_worlds, self.task, self.vehicle, self.worlds, *arrays, threads=self.num_threads
         )
+
+    @property
+    def num_threads(self) -> int:
+        """How many threads are worth their while."""
+        most = max(1, self.worlds.state.x.size // _FEWEST)
+        return min(self.threads or default_threads(), most)
 
     def world(self, w: int) -> World:
         """Return the view of one world: the arrays without their last axis."""

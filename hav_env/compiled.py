@@ -29,14 +29,23 @@ from numba.extending import lower_builtin, overload, type_callable
 
 _log = logging.getLogger(__name__)
 _sources: set[pathlib.Path] = set()  # packages and files whose code ends up in compiled loops
-_FEWEST = 16  # worlds that are worth a thread
+VECTOR = 16  # lanes to work on whole vectors: worlds are shared out in such portions
 _SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
 # most of the time. A kernel must therefore not return an array to Python.
 _OPTIONS = {"error_model": "numpy", "nogil": True, "_nrt": False}
 
 
-class _Part(JITCodeLibrary):
+class _Code(JITCodeLibrary):
+    """Code for the widest vectors: LLVM would halve those of 512 bits."""
+
+    def add_ir_module(self, ir_module):
+        for function in ir_module.functions:
+            set.add(function.attributes, '"prefer-vector-width"="512"')
+        super().add_ir_module(ir_module)
+
+
+class _Part(_Code):
     """The code of one kernel: linked into entries, and optimised and made executable there only.
 
     Numba would do both for every kernel, with all that it calls: five times the work.
@@ -61,34 +70,37 @@ class _Part(JITCodeLibrary):
         pass
 
 
-@register_pass(mutates_CFG=False, analysis_only=True)
-class _KeepAsPart(AnalysisPass):
-    _name = "keep_as_part"
+def _compiler(library_class: type) -> type:
+    """Return Numba's compiler, but for where the code goes."""
 
-    def __init__(self):
-        super().__init__()
+    @register_pass(mutates_CFG=False, analysis_only=True)
+    class ChooseLibrary(AnalysisPass):
+        _name = f"choose_{library_class.__name__}"
 
-    def run_pass(self, state):
-        state.library = _Part(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.library.enable_object_caching()
-        return False
+        def __init__(self):
+            super().__init__()
 
+        def run_pass(self, state):
+            state.library = library_class(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library.enable_object_caching()
+            return False
 
-class _PartCompiler(CompilerBase):
-    """Numba's compiler, but for where the code goes."""
+    class Compiler(CompilerBase):
+        def define_pipelines(self):
+            passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+            passes.add_pass_after(ChooseLibrary, IRProcessing)
+            passes.finalize()
+            return [passes]
 
-    def define_pipelines(self):
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
-        passes.add_pass_after(_KeepAsPart, IRProcessing)
-        passes.finalize()
-        return [passes]
+    return Compiler
 
 
 _CALLED = _OPTIONS | {
-    "pipeline_class": _PartCompiler,
+    "pipeline_class": _compiler(_Part),
     "no_cpython_wrapper": True,
     "no_cfunc_wrapper": True,
 }
+_ENTERED = _OPTIONS | {"pipeline_class": _compiler(_Code), "cache": True}
 _INLINED = _CALLED | {"forceinline": True}
 
 
@@ -158,7 +170,7 @@ def bits_of(value):
 
 def float_of(bits):
     """Return the float that has these 64 bits."""
-    return struct.unpack("<d", struct.pack("<q", bits))[0]
+    return struct.unpack("<d", struct.pack("<Q", bits & 0xFFFFFFFFFFFFFFFF))[0]
 
 
 def lanes_from(array, first):
@@ -229,7 +241,7 @@ def entry(function: Callable) -> Callable:
         loop = compiled[sources]
         _ensure_compiled(loop, function.__name__, args)
         threads = threads or default_threads()
-        share = max(_FEWEST, -(-count // threads))
+        share = -(-count // (threads * VECTOR)) * VECTOR
         if count <= share:
             loop(0, count, *args)
             return
@@ -308,7 +320,7 @@ def _cached(function: Callable, sources: frozenset) -> Callable:
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(_writable_home() / source_digest(sources))
     try:
-        return numba.njit(cache=True, **_OPTIONS)(function)
+        return numba.njit(**_ENTERED)(function)
     finally:
         numba.config.CACHE_DIR = previous
 

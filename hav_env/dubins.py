@@ -12,7 +12,7 @@ lanes may call it.
 import math
 
 from hav_env.compiled import kernel
-from hav_env.elementary import atan2, sincos
+from hav_env.elementary import atan2, atan2_positive, sincos
 from hav_env.geometry import TWO_PI, wrap
 
 LSL, RSR, LSR, RSL, RLR, LRL = range(6)
@@ -32,15 +32,14 @@ def turns(word):
 
 @kernel
 def _turn_angle(angle):
-    """Return the angle [rad], which is in [-4 pi, 4 pi), moved by whole turns into [0, 2 pi).
+    """Return the angle [rad], which is in [-4 pi, 2 pi), moved by whole turns into [0, 2 pi).
 
     Rounding may leave -1e-17 of an angle that is zero; a vehicle that is on its way would then
-    drive a full circle first. So almost a turn is none.
+    drive a full circle first. So what is hardly below a whole turn is none.
     """
-    angle = angle + TWO_PI if angle < 0.0 else angle
-    angle = angle + TWO_PI if angle < 0.0 else angle
-    angle = angle - TWO_PI if angle >= TWO_PI else angle
-    return 0.0 if angle > TWO_PI - _ROUNDING else angle
+    angle = angle + TWO_PI if angle < -_ROUNDING else angle
+    angle = angle + TWO_PI if angle < -_ROUNDING else angle
+    return max(angle, 0.0)
 
 
 @kernel
@@ -61,7 +60,7 @@ def _inner_tangent(across_x, across_y, heading):
     first = _turn_angle(
         atan2(across_y * straight + 2.0 * across_x, across_x * straight - 2.0 * across_y)
     )
-    last = _turn_angle(first - heading)
+    last = _turn_angle(first - heading - TWO_PI)
     return INFEASIBLE if squared < -_ROUNDING else first, straight, last
 
 
@@ -73,9 +72,9 @@ def _third_circle(towards, across, heading):
     from each other [radii], ``towards`` the direction from one to the other.
     """
     left_over = 16.0 - across * across
-    middle = TWO_PI - 2.0 * atan2(across, math.sqrt(max(left_over, 0.0)))
-    first = _turn_angle(towards + 0.5 * middle)
-    last = _turn_angle(heading - first + middle)
+    middle = TWO_PI - 2.0 * atan2_positive(across, math.sqrt(max(left_over, 0.0)))
+    first = _turn_angle(towards + 0.5 * middle - TWO_PI)
+    last = _turn_angle(heading - first + middle - TWO_PI)
     return INFEASIBLE if left_over < 0.0 else first, middle, last
 
 
@@ -117,11 +116,13 @@ def shortest_path(forward, left, heading, radius):
 
 @kernel
 def _shorter(path, word, segments):
-    """Return (word, first, second, third) of the shorter one; when equal, of the path."""
-    best, first, second, third = path
+    """Return (total, word, first, second, third) of the shorter one; when equal, of the path."""
+    least, best, first, second, third = path
     a, b, c = segments
-    better = a + b + c < first + second + third
+    total = a + b + c
+    better = total < least
     return (
+        total if better else least,
         word if better else best,
         a if better else first,
         b if better else second,
@@ -132,16 +133,17 @@ def _shorter(path, word, segments):
 @kernel
 def shortest_path_towards(forward, left, heading, cosine, sine, radius):
     """Return ``shortest_path`` to a heading in [-pi, pi) whose cosine and sine are known."""
-    x, y = forward / radius, left / radius
+    per_radius = 1.0 / radius
+    x, y = forward * per_radius, left * per_radius
     left_turns = _outer_tangent(x - sine, y + cosine - 1.0, heading)
     right_turns = _outer_tangent(x + sine, cosine - y - 1.0, -heading)
-    path = LSL, left_turns[0], left_turns[1], left_turns[2]
+    path = left_turns[0] + left_turns[1] + left_turns[2], LSL, *left_turns
     path = _shorter(path, RSR, right_turns)
     path = _shorter(path, LSR, _inner_tangent(x + sine, y - cosine - 1.0, heading))
     path = _shorter(path, RSL, _inner_tangent(x - sine, -y - cosine - 1.0, -heading))
     path = _shorter(path, RLR, _third_circle(right_turns[0], right_turns[1], -heading))
     path = _shorter(path, LRL, _third_circle(left_turns[0], left_turns[1], heading))
-    word, first, second, third = path
+    _, word, first, second, third = path
     return word, first * radius, second * radius, third * radius
 
 

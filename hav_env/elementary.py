@@ -69,26 +69,33 @@ def sincos(angle):
 
 
 @kernel
+def atan2_positive(y, x):
+    """Return ``atan2`` of two numbers that are not negative."""
+    small, large = min(y, x), max(y, x) + _SMALLEST
+    steep = small > _TAN_PI_8 * large
+    t = (small - large if steep else small) / (small + large if steep else large)
+    # fdlibm's polynomial, even and odd powers apart: two short sums instead of a long one
+    z = t * t
+    w = z * z
+    p = (1.62858201153657823623e-02 * w + 4.97687799461593236017e-02) * w
+    p = ((p + 6.66107313738753120669e-02) * w + 9.09088713343650656196e-02) * w
+    p = z * ((p + 1.42857142725034663711e-01) * w + 3.33333333333329318027e-01)
+    q = (-3.65315727442169155270e-02 * w - 5.83357013379057348645e-02) * w
+    q = ((q - 7.69187620504482999495e-02) * w - 1.11111104054623557880e-01) * w
+    q = w * (q - 1.99999999998764832476e-01)
+    angle = t - t * (p + q)
+    angle = angle + 0.25 * math.pi if steep else angle
+    return 0.5 * math.pi - angle if y > x else angle
+
+
+@kernel
 def atan2(y, x):
     """Return the angle of (x, y) in [-pi, pi]: within 3 ulp.
 
     atan2(0, 0) is 0; a zero has no sign: atan2(-0.0, -1.0) is pi. The larger of |x| and |y| must
-    be 0 or from 1e-280 to 1e300. The rational function is Cephes', on [-tan(pi / 8), tan(pi / 8)].
+    be 0 or from 1e-280 to 1e300.
     """
-    across, along = abs(y), abs(x)
-    small, large = min(across, along), max(across, along) + _SMALLEST
-    steep = small > _TAN_PI_8 * large
-    t = (small - large if steep else small) / (small + large if steep else large)
-    z = t * t
-    p = (-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z
-    p = ((p - 7.500855792314704667340e1) * z - 1.228866684490136173410e2) * z
-    p -= 6.485021904942025371773e1
-    q = ((z + 2.485846490142306297962e1) * z + 1.650270098316988542046e2) * z
-    q = ((q + 4.328810604912902668951e2) * z + 4.853903996359136964868e2) * z
-    q += 1.945506571482613964425e2
-    angle = t + t * (z * p / q)
-    angle = angle + 0.25 * math.pi if steep else angle
-    angle = 0.5 * math.pi - angle if across > along else angle
+    angle = atan2_positive(abs(y), abs(x))
     angle = math.pi - angle if x < 0.0 else angle
     return -angle if y < 0.0 else angle
 
@@ -100,10 +107,11 @@ def exp(x):
     shifted = x * _LOG2_E + _ROUNDER
     doublings = shifted - _ROUNDER
     r = (x - doublings * _LN_2_HIGH) - doublings * _LN_2_LOW
-    # fdlibm: with c(r) = r - r^2 P(r^2), e^r = 1 + r + r c / (2 - c)
+    # (e^r - 1 - r) / r^2 interpolated at Chebyshev's points, even and odd powers apart
     z = r * r
-    c = 4.13813679705723846039e-08 * z - 1.65339022054652515390e-06
-    c = (c * z + 6.61375632143793436117e-05) * z - 2.77777777770155933842e-03
-    c = r - z * (c * z + 1.66666666666666019037e-01)
+    p = (2.7620075880100385e-07 * z + 2.4801521322368448e-05) * z + 1.3888888917196719e-03
+    p = (p * z + 4.1666666666624164e-02) * z + 5.0000000000000011e-01
+    q = (2.510037583265122e-08 * z + 2.7557268480309837e-06) * z + 1.9841269863040545e-04
+    q = (q * z + 8.333333333330065e-03) * z + 1.6666666666666669e-01
     power = float_of((bits_of(shifted) - _ROUNDER_BITS + 1023) << 52)  # 2**doublings
-    return power * (1.0 + (r + r * c / (2.0 - c)))
+    return power * (1.0 + (r + z * (p + r * q)))

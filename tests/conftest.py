@@ -46,6 +46,7 @@ def open_plane(num_worlds=1, num_havs=1, num_trailers=3, *, task=Task(), vehicle
     batch.reset(0)
     aim(batch.worlds, ALL, ALL, 1e9, 1e9, 1e9)
     batch.worlds.record.first[:] = -1
+    batch.worlds = batch.worlds._replace(units=num_trailers + 1)  # not only what was drawn
     return batch
 
 

@@ -52,20 +52,31 @@ def move_on_axle(vehicle, dt, world, agent):
     """Integrate eqs. (kinematics) and (kinematics-trailers)."""
     h = dt / vehicle.substeps
     for _ in range(vehicle.substeps):
-        _move_truck(vehicle, h, world, agent)
+        if vehicle.simultaneous:
+            _advance_truck(h, world, agent)
+            _turn_truck(h, world, agent)
+        else:
+            _turn_truck(h, world, agent)
+            _advance_truck(h, world, agent)
         for unit in range(1, world.units):
             _pull_trailer(vehicle, h, world, agent, unit)
 
 
 @kernel
-def _move_truck(vehicle, h, world, agent):
+def _turn_truck(h, world, agent):
     state = world.state
     for lane in range(world.lanes):
-        speed, wheelbase = state.speed[agent, lane], world.fleet.length[agent, 0, lane]
-        before = state.cosine[agent, 0, lane], state.sine[agent, 0, lane]
-        rate = truck_yaw_rate(speed, state.steering[agent, lane], wheelbase)
-        after = turn_unit(state, agent, 0, lane, state.heading[agent, 0, lane] + h * rate)
-        cosine, sine = before if vehicle.simultaneous else after
+        wheelbase = world.fleet.length[agent, 0, lane]
+        rate = truck_yaw_rate(state.speed[agent, lane], state.steering[agent, lane], wheelbase)
+        turn_unit(state, agent, 0, lane, state.heading[agent, 0, lane] + h * rate)
+
+
+@kernel
+def _advance_truck(h, world, agent):
+    state = world.state
+    for lane in range(world.lanes):
+        speed = state.speed[agent, lane]
+        cosine, sine = state.cosine[agent, 0, lane], state.sine[agent, 0, lane]
         state.x[agent, lane] += h * speed * cosine
         state.y[agent, lane] += h * speed * sine
         _tow(state, lane, speed, cosine, sine)
