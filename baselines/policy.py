@@ -8,7 +8,7 @@ import numpy as np
 from hav_env import Batch
 from hav_env.batch import LANES
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
-from hav_env.world import block_of
+from hav_env.world import block_of, moving_lanes
 
 
 @generic
@@ -51,7 +51,15 @@ def act_all(policy, memory, world, speed, steering):
     """Let every HAV of a block of worlds decide, (N, W) each: zero for one that waits."""
     for hav in range(speed.shape[0]):
         agent = fixed(hav)
-        act_lanes(policy, memory, world, agent, speed, steering)
+        first, count = moving_lanes(world, agent)
+        act_lanes(
+            policy,
+            lanes_from(memory, first),
+            block_of(world, first, count, world.units),
+            agent,
+            lanes_from(speed, first),
+            lanes_from(steering, first),
+        )
         for lane in range(world.lanes):
             waits = world.state.waiting[agent, lane]
             speed[agent, lane] = 0.0 if waits else speed[agent, lane]

@@ -9,10 +9,10 @@ from baselines.metrics import tabulate
 from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
 from hav_env.batch import LANES
-from hav_env.compiled import VECTOR, canonical, default_threads, entry, kernel, run_on_threads
+from hav_env.compiled import VECTOR, canonical, default_threads, entry, kernel, rare_kernel, run_on_threads
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
-from hav_env.world import allocate_worlds, block_of, copy_lane, copy_world
+from hav_env.world import allocate_worlds, block_of, exchange_lanes, exchange_worlds
 
 _SHARES = 4  # of each thread
 _FEWEST = 64  # episodes that are worth a share
@@ -25,18 +25,19 @@ def rollout_worlds(
     """Run the episodes that have begun in ``worlds[order[first:last]]`` to their ends.
 
     They take turns in the lanes of the stage: a lane whose episode ended takes the next one, and
-    when there is none, the last lane moves into its place.
+    when there is none, the last lane takes its place.
 
     Args:
         policy, task, vehicle: as in ``rollout``.
-        worlds: all episodes, each in its place; what happened in them is written back there.
+        worlds: all episodes, each in its place; what happened in them is found there at the end.
         order: (W,) in which order they are run.
         stage: the worlds that are run at a time; places: (W,) whose episodes they are.
         memory, speed, steering: of the stage.
     """
     waiting, active = first, 0
     while waiting < last and active < stage.lanes:
-        _enter(worlds, order[waiting], stage, active, places, memory)
+        places[active] = order[waiting]
+        exchange_worlds(worlds, places[active], stage, active)
         waiting, active = waiting + 1, active + 1
     units = _longest(stage, active)
     while active > 0:
@@ -46,28 +47,27 @@ def rollout_worlds(
         act_all(policy, memory, block, speed, steering)
         if step(task, vehicle, block, speed, steering) == 0:
             continue
-        lane = 0
-        while lane < active:
+        for lane in range(active - 1, -1, -1):
             if not ended(task, stage, lane):
-                lane += 1
                 continue
-            copy_world(stage, lane, worlds, places[lane])
+            exchange_worlds(stage, lane, worlds, places[lane])
             if waiting < last:
-                _enter(worlds, order[waiting], stage, lane, places, memory)
+                places[lane] = order[waiting]
+                exchange_worlds(worlds, places[lane], stage, lane)
+                memory[..., lane] = 0.0
                 waiting += 1
             else:
                 active -= 1
-                copy_world(stage, active, stage, lane)
-                places[lane] = places[active]
-                copy_lane(memory, active, memory, lane)
+                _exchange(stage, places, memory, lane, active)
         units = _longest(stage, active)
+        _arrange(stage, places, memory, active)
 
 
 @kernel
-def _enter(worlds, place, stage, lane, places, memory):
-    copy_world(worlds, place, stage, lane)
-    places[lane] = place
-    memory[..., lane] = 0.0
+def _exchange(stage, places, memory, lane, other):
+    exchange_worlds(stage, lane, stage, other)
+    exchange_lanes(places, lane, places, other)
+    exchange_lanes(memory, lane, memory, other)
 
 
 @kernel
@@ -78,6 +78,30 @@ def _longest(stage, active):
         for lane in range(active):
             longest = max(longest, stage.fleet.num_trailers[agent, lane])
     return longest + 1
+
+
+@rare_kernel
+def _arrange(stage, places, memory, active):
+    """Sort lanes by who waits in them, so that loops may pass over lanes in which a HAV waits."""
+    if stage.state.x.shape[0] == 1:
+        return
+    for lane in range(active):
+        chosen = lane
+        for other in range(lane + 1, active):
+            lower = _rank(stage, other) < _rank(stage, chosen)
+            if lower or (chosen != lane and _rank(stage, other) == _rank(stage, chosen)):
+                chosen = other
+        if chosen != lane:
+            _exchange(stage, places, memory, lane, chosen)
+
+
+@kernel
+def _rank(stage, lane):
+    """Return a number below 0 when the first HAVs wait, above 0 when the last do."""
+    num_havs, rank = stage.state.x.shape[0], 0
+    for agent in range(num_havs):
+        rank += 2 * agent + 1 - num_havs if stage.state.waiting[agent, lane] else 0
+    return rank
 
 
 def rollout(
@@ -111,8 +135,9 @@ def rollout(
     batch.reset(seed, episodes)
     state = batch.worlds.state
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
-    # HAVs of like length share a block: its loops over units reach to the longest
-    order = np.argsort(batch.worlds.fleet.num_trailers.max(axis=0), kind="stable")
+    # HAVs of like length share a block, whose loops reach to the longest unit; long ones first, for
+    # they take longest
+    order = np.argsort(-batch.worlds.fleet.num_trailers.max(axis=0), kind="stable")
     roll = functools.partial(_roll, canonical(policy), batch)
     run_on_threads(roll, _shares(order, threads or default_threads()), threads)
     return tabulate(batch.worlds, start, policy)

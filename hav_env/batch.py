@@ -13,7 +13,7 @@ from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world import STEP, World, allocate_worlds, block_of, view_of
 
 _FEWEST = 256  # HAVs whose step takes longer than to wake a thread
-LANES = 128  # worlds of a block: what a step reads and writes then stays in the nearest caches
+LANES = 64  # worlds of a block: what a step reads and writes then stays in the nearest caches
 
 
 @entry

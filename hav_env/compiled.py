@@ -6,9 +6,11 @@ over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of
 """
 
 import concurrent.futures
+import ctypes
 import functools
 import hashlib
 import logging
+import math
 import os
 import pathlib
 import struct
@@ -163,6 +165,22 @@ def generic(stub: Callable) -> Any:
     return dispatch
 
 
+def _find_fma() -> Callable:
+    if hasattr(math, "fma"):  # from Python 3.13 on
+        return math.fma
+    function = ctypes.CDLL("ucrtbase" if os.name == "nt" else None).fma
+    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * 3
+    return function
+
+
+_fma = _find_fma()
+
+
+def fma(x, y, z):
+    """Return x * y + z, rounded once: one instruction, the same on all machines."""
+    return _fma(x, y, z)
+
+
 def bits_of(value):
     """Return the 64 bits of a float as a signed whole number."""
     return struct.unpack("<q", struct.pack("<d", value))[0]
@@ -192,10 +210,16 @@ def fixed(row):
     return row
 
 
+type_callable(fma)(lambda context: lambda x, y, z: numba.float64)
 type_callable(bits_of)(lambda context: lambda value: numba.int64)
 type_callable(float_of)(lambda context: lambda bits: numba.float64)
 type_callable(lanes_from)(lambda context: lambda array, first: array)
 type_callable(fixed)(lambda context: lambda row: numba.int64)
+
+
+@lower_builtin(fma, numba.types.Float, numba.types.Float, numba.types.Float)
+def _lower_fma(context, builder, signature, arguments):
+    return builder.fma(*arguments)
 
 
 @lower_builtin(bits_of, numba.types.Float)

@@ -1,9 +1,9 @@
 """Sine, cosine, arctangent, exponential and rounding in a form that works on several lanes at once.
 
 The C library's functions are called for one number at a time, and differ from platform to platform.
-These consist of additions, multiplications, divisions and selections alone, so a compiler turns a
-loop over lanes into vector instructions, and the same numbers come out everywhere: compiled for any
-processor or run by Python.
+These consist of additions, multiplications (the two fused where that is written), divisions and
+selections alone, so a compiler turns a loop over lanes into vector instructions, and the same
+numbers come out everywhere: compiled for any processor or run by Python.
 
 Errors are in units in the last place (ulp) of the result, measured against exact values by
 tests/test_elementary.py.
@@ -11,23 +11,18 @@ tests/test_elementary.py.
 
 import math
 
-from hav_env.compiled import bits_of, float_of, kernel
+from hav_env.compiled import bits_of, float_of, fma, kernel
 
 # Added to a float below 2**51, this leaves no bits for a fraction: it rounds to the nearest whole
 # number, half to even, and that number stands in the lowest bits.
 _ROUNDER = 1.5 * 2.0**52
 _ROUNDER_BITS = bits_of(_ROUNDER)
 _QUARTER_TURNS = 2.0 / math.pi
-# pi / 2 in three parts. The first two have 33 bits: their products with small whole numbers are
-# exact (Cody and Waite, as in fdlibm).
-_QUARTER_1 = 1.57079632673412561417e00
-_QUARTER_2 = 6.07710050630396597660e-11
-_QUARTER_3 = 2.02226624879595063154e-21
+_QUARTER_HIGH, _QUARTER_LOW = 0.5 * math.pi, 6.123233995736766e-17  # pi / 2 in 106 bits
 _TAN_PI_8 = 0.41421356237309503
 _SMALLEST = 1e-300  # keeps 0 / 0 away
 _LOG2_E = 1.4426950408889634
-_LN_2_HIGH = 6.93147180369123816490e-01  # 33 bits
-_LN_2_LOW = 1.90821492927058770002e-10
+_LN_2_HIGH, _LN_2_LOW = 0.6931471805599453, 2.3190468138462996e-17  # ln 2 in 106 bits
 _EXP_LOW, _EXP_HIGH = -708.0, 709.0  # what still has a normal result
 
 
@@ -42,24 +37,23 @@ def floor(x):
 def sincos(angle):
     """Return sine and cosine of an angle [rad]: within 2 ulp for |angle| up to 1e6.
 
-    The angle is reduced to [-pi / 4, pi / 4]; there the polynomials are fdlibm's. Beyond, the
+    The angle is reduced to [-pi / 4, pi / 4]; there the polynomials are fdlibm's. Beyond 1e6 the
     reduction loses digits, and beyond 1e15 or so the result means nothing; not a number stays so.
     """
-    shifted = angle * _QUARTER_TURNS + _ROUNDER
+    shifted = fma(angle, _QUARTER_TURNS, _ROUNDER)
     quarters = shifted - _ROUNDER
     quadrant = bits_of(shifted) - _ROUNDER_BITS
-    r = ((angle - quarters * _QUARTER_1) - quarters * _QUARTER_2) - quarters * _QUARTER_3
+    r = fma(-quarters, _QUARTER_LOW, fma(-quarters, _QUARTER_HIGH, angle))
     z = r * r
-    p = 1.58969099521155010221e-10 * z - 2.50507602534068634195e-08
-    p = (p * z + 2.75573137070700676789e-06) * z - 1.98412698298579493134e-04
-    p = (p * z + 8.33333333332248946124e-03) * z - 1.66666666666666324348e-01
-    q = -1.13596475577881948265e-11 * z + 2.08757232129817482790e-09
-    q = (q * z - 2.75573143513506633035e-07) * z + 2.48015872894767294178e-05
-    q = (q * z - 1.38888888888741095749e-03) * z + 4.16666666666666019037e-02
-    sine = r + r * z * p
-    half = 0.5 * z
-    rest = 1.0 - half
-    cosine = rest + (((1.0 - rest) - half) + z * z * q)
+    p = fma(1.58969099521155010221e-10, z, -2.50507602534068634195e-08)
+    p = fma(fma(p, z, 2.75573137070700676789e-06), z, -1.98412698298579493134e-04)
+    p = fma(fma(p, z, 8.33333333332248946124e-03), z, -1.66666666666666324348e-01)
+    q = fma(-1.13596475577881948265e-11, z, 2.08757232129817482790e-09)
+    q = fma(fma(q, z, -2.75573143513506633035e-07), z, 2.48015872894767294178e-05)
+    q = fma(fma(q, z, -1.38888888888741095749e-03), z, 4.16666666666666019037e-02)
+    sine = fma(r * z, p, r)
+    rest = fma(-0.5, z, 1.0)  # what its rounding cut off comes back with the polynomial
+    cosine = rest + fma(z * z, q, fma(-0.5, z, 1.0 - rest))
     swapped = (quadrant & 1) != 0
     first, second = cosine if swapped else sine, sine if swapped else cosine
     return (
@@ -77,13 +71,13 @@ def atan2_positive(y, x):
     # fdlibm's polynomial, even and odd powers apart: two short sums instead of a long one
     z = t * t
     w = z * z
-    p = (1.62858201153657823623e-02 * w + 4.97687799461593236017e-02) * w
-    p = ((p + 6.66107313738753120669e-02) * w + 9.09088713343650656196e-02) * w
-    p = z * ((p + 1.42857142725034663711e-01) * w + 3.33333333333329318027e-01)
-    q = (-3.65315727442169155270e-02 * w - 5.83357013379057348645e-02) * w
-    q = ((q - 7.69187620504482999495e-02) * w - 1.11111104054623557880e-01) * w
-    q = w * (q - 1.99999999998764832476e-01)
-    angle = t - t * (p + q)
+    p = fma(1.62858201153657823623e-02, w, 4.97687799461593236017e-02)
+    p = fma(fma(p, w, 6.66107313738753120669e-02), w, 9.09088713343650656196e-02)
+    p = fma(fma(p, w, 1.42857142725034663711e-01), w, 3.33333333333329318027e-01)
+    q = fma(-3.65315727442169155270e-02, w, -5.83357013379057348645e-02)
+    q = fma(fma(q, w, -7.69187620504482999495e-02), w, -1.11111104054623557880e-01)
+    q = fma(q, w, -1.99999999998764832476e-01)
+    angle = fma(-t, fma(z, p, w * q), t)
     angle = angle + 0.25 * math.pi if steep else angle
     return 0.5 * math.pi - angle if y > x else angle
 
@@ -92,8 +86,8 @@ def atan2_positive(y, x):
 def atan2(y, x):
     """Return the angle of (x, y) in [-pi, pi]: within 3 ulp.
 
-    atan2(0, 0) is 0; a zero has no sign: atan2(-0.0, -1.0) is pi. The larger of |x| and |y| must
-    be 0 or from 1e-280 to 1e300.
+    atan2(0, 0) is 0; a zero has no sign: atan2(-0.0, -1.0) is pi. Both must be numbers, and the
+    larger of |x| and |y| 0 or from 1e-280 to 1e300.
     """
     angle = atan2_positive(abs(y), abs(x))
     angle = math.pi - angle if x < 0.0 else angle
@@ -104,14 +98,16 @@ def atan2(y, x):
 def exp(x):
     """Return e**x within 2 ulp; x is cut to [-708, 709], where the result is a normal number."""
     x = min(max(x, _EXP_LOW), _EXP_HIGH)
-    shifted = x * _LOG2_E + _ROUNDER
+    shifted = fma(x, _LOG2_E, _ROUNDER)
     doublings = shifted - _ROUNDER
-    r = (x - doublings * _LN_2_HIGH) - doublings * _LN_2_LOW
+    r = fma(-doublings, _LN_2_LOW, fma(-doublings, _LN_2_HIGH, x))
     # (e^r - 1 - r) / r^2 interpolated at Chebyshev's points, even and odd powers apart
     z = r * r
-    p = (2.7620075880100385e-07 * z + 2.4801521322368448e-05) * z + 1.3888888917196719e-03
-    p = (p * z + 4.1666666666624164e-02) * z + 5.0000000000000011e-01
-    q = (2.510037583265122e-08 * z + 2.7557268480309837e-06) * z + 1.9841269863040545e-04
-    q = (q * z + 8.333333333330065e-03) * z + 1.6666666666666669e-01
+    p = fma(2.7620075880100385e-07, z, 2.4801521322368448e-05)
+    p = fma(fma(p, z, 1.3888888917196719e-03), z, 4.1666666666624164e-02)
+    p = fma(p, z, 5.0000000000000011e-01)
+    q = fma(2.510037583265122e-08, z, 2.7557268480309837e-06)
+    q = fma(fma(q, z, 1.9841269863040545e-04), z, 8.333333333330065e-03)
+    q = fma(q, z, 1.6666666666666669e-01)
     power = float_of((bits_of(shifted) - _ROUNDER_BITS + 1023) << 52)  # 2**doublings
-    return power * (1.0 + (r + z * (p + r * q)))
+    return power * (1.0 + fma(z, fma(r, q, p), r))

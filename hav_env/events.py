@@ -7,7 +7,6 @@ from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.dubins import path_length
 from hav_env.elementary import sincos
 from hav_env.geometry import into_frame, wrap
-from hav_env.neighborhood import FEW
 from hav_env.world import (
     ACTUAL,
     ARTICULATION,
@@ -16,6 +15,7 @@ from hav_env.world import (
     DISTANCE,
     DUBINS,
     EUCLIDEAN_MISS,
+    FEW,
     HEADING,
     HEADING_MISS,
     HIT_DISTANCE,
@@ -108,7 +108,7 @@ def record_collisions(world):
             for other in range(agent + 1, num_havs):
                 touching = 0
                 for lane in range(world.lanes):
-                    touching += within_reach(world, agent, other, lane)
+                    touching += _is_news(world, agent, other, lane)
                 if touching > 0:
                     _record_pairs(world, agent, other)
     else:
@@ -137,9 +137,19 @@ def _record_pair(world, agent, other, lane):
 
 
 @kernel
+def _is_news(world, agent, other, lane):
+    """Tell whether two HAVs are near enough to touch, and it would be the first time for one."""
+    first = world.record.first
+    potential = _is_new(first, POTENTIAL, agent, other, lane)
+    return within_reach(world, agent, other, lane) & (
+        potential | _is_new(first, ACTUAL, agent, other, lane)
+    )
+
+
+@kernel
 def _is_new(first, event, agent, other, lane):
     own, others = first[agent, event, WHEN, lane], first[other, event, WHEN, lane]
-    return NEVER in (own, others)
+    return (own == NEVER) | (others == NEVER)
 
 
 @kernel

@@ -3,9 +3,7 @@
 from hav_env.collision import reach
 from hav_env.compiled import kernel
 from hav_env.elementary import floor
-from hav_env.world import BUCKET, COLUMN, NEXT, ROW, truck_distance
-
-FEW = 16  # HAVs up to which looking at all pairs is quicker than a grid
+from hav_env.world import BUCKET, COLUMN, FEW, NEXT, ROW
 
 
 @kernel
@@ -36,20 +34,12 @@ def _compare_all(task, world):
 
 
 @kernel
-def _search_grid(task, world, lane):
-    _fill_buckets(task, world, lane)
-    for agent in range(world.state.x.shape[0]):
-        column, row = world.nearby.grid[COLUMN, agent, lane], world.nearby.grid[ROW, agent, lane]
-        for across in range(-1, 2):
-            for along in range(-1, 2):
-                _search_cell(task, world, agent, column + across, row + along, lane)
-        _sort(world.nearby, agent, lane)
-
-
-@kernel
 def _in_range(task, world, agent, other, lane):
-    reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
-    return truck_distance(world.state, agent, other, lane) <= reaches + task.sensing_range
+    state, fleet = world.state, world.fleet
+    dx = state.x[other, lane] - state.x[agent, lane]
+    dy = state.y[other, lane] - state.y[agent, lane]
+    limit = reach(fleet, agent, lane) + reach(fleet, other, lane) + task.sensing_range
+    return dx * dx + dy * dy <= limit * limit
 
 
 @kernel
@@ -59,40 +49,63 @@ def _append(nearby, agent, other, lane):
 
 
 @kernel
+def _search_grid(task, world, lane):
+    """Search one world. All lanes of a block use the same scratch, in which HAVs lie side by side,
+    as they do not in the arrays of the worlds."""
+    grid, place = world.nearby.grid[world.first], world.nearby.place[world.first]
+    num_havs = world.state.x.shape[0]
+    for agent in range(num_havs):
+        place[0, agent] = world.state.x[agent, lane]
+        place[1, agent] = world.state.y[agent, lane]
+        place[2, agent] = reach(world.fleet, agent, lane)
+    _fill_buckets(task, grid, place)
+    for agent in range(num_havs):
+        for across in range(-1, 2):
+            for along in range(-1, 2):
+                column, row = grid[COLUMN, agent] + across, grid[ROW, agent] + along
+                _search_cell(task, world.nearby, grid, place, agent, column, row, lane)
+    for agent in range(num_havs):
+        _sort(world.nearby, agent, lane)
+
+
+@kernel
 def _bucket_of(grid, column, row):
     # two odd primes spread neighbouring cells; the number of buckets is a power of two
     return (column * 73856093 ^ row * 19349663) & (grid.shape[1] - 1)
 
 
 @kernel
-def _fill_buckets(task, world, lane):
-    grid, num_havs = world.nearby.grid, world.state.x.shape[0]
+def _fill_buckets(task, grid, place):
+    num_havs = place.shape[1]
     longest = 0.0
     for agent in range(num_havs):
-        longest = max(longest, reach(world.fleet, agent, lane))
+        longest = max(longest, place[2, agent])
     # a little larger, for two HAVs just one cell apart may be rounded into cells two apart
     size = (2.0 * longest + task.sensing_range) * (1.0 + 1e-9)
     for bucket in range(grid.shape[1]):
-        grid[BUCKET, bucket, lane] = -1
+        grid[BUCKET, bucket] = -1
     for agent in range(num_havs):
-        column = int(floor(world.state.x[agent, lane] / size))
-        row = int(floor(world.state.y[agent, lane] / size))
+        column = int(floor(place[0, agent] / size))
+        row = int(floor(place[1, agent] / size))
         bucket = _bucket_of(grid, column, row)
-        grid[COLUMN, agent, lane] = column
-        grid[ROW, agent, lane] = row
-        grid[NEXT, agent, lane] = grid[BUCKET, bucket, lane]
-        grid[BUCKET, bucket, lane] = agent
+        grid[COLUMN, agent] = column
+        grid[ROW, agent] = row
+        grid[NEXT, agent] = grid[BUCKET, bucket]
+        grid[BUCKET, bucket] = agent
 
 
 @kernel
-def _search_cell(task, world, agent, column, row, lane):
-    grid = world.nearby.grid
-    other = grid[BUCKET, _bucket_of(grid, column, row), lane]
-    while other >= 0:
-        same_cell = grid[COLUMN, other, lane] == column and grid[ROW, other, lane] == row
-        if same_cell and other != agent and _in_range(task, world, agent, other, lane):
-            _append(world.nearby, agent, other, lane)
-        other = grid[NEXT, other, lane]
+def _search_cell(task, nearby, grid, place, agent, column, row, lane):
+    """Look at the HAVs in one cell; a bucket holds them in descending order."""
+    other = grid[BUCKET, _bucket_of(grid, column, row)]
+    while other > agent:  # a pair is looked at once
+        dx, dy = place[0, other] - place[0, agent], place[1, other] - place[1, agent]
+        limit = place[2, agent] + place[2, other] + task.sensing_range
+        same_cell = grid[COLUMN, other] == column and grid[ROW, other] == row
+        if same_cell and dx * dx + dy * dy <= limit * limit:
+            _append(nearby, agent, other, lane)
+            _append(nearby, other, agent, lane)
+        other = grid[NEXT, other]
 
 
 @kernel

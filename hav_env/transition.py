@@ -12,7 +12,7 @@ from hav_env.geometry import clip
 from hav_env.neighborhood import find_nearby
 from hav_env.scenarios import populate
 from hav_env.vehicles import move
-from hav_env.world import EPISODE, PHASE, SEED, SPEED, STEERING, STEP, block_of
+from hav_env.world import EPISODE, PHASE, SEED, SPEED, STEERING, STEP, block_of, moving_lanes
 
 
 @kernel
@@ -51,14 +51,18 @@ def step(task, vehicle, world, speed, steering):
     for hav in range(num_havs):
         agent = fixed(hav)
         _command(world, agent, speed, steering)
-        move(vehicle, task.dt, world, agent)
-        record_motion(task.dt, world, agent)
+        first, count = moving_lanes(world, agent)
+        moving = block_of(world, first, count, world.units)
+        move(vehicle, task.dt, moving, agent)
+        record_motion(task.dt, moving, agent)
     if num_havs > 1:
         find_nearby(task, world)
         record_collisions(world)
     hits = 0
     for hav in range(num_havs):
-        hits += record_approach(task, world, fixed(hav))
+        agent = fixed(hav)
+        first, count = moving_lanes(world, agent)
+        hits += record_approach(task, block_of(world, first, count, world.units), agent)
     if hits > 0:
         _begin_phases(world)
     return news + hits

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import kernel, lanes_from, rare_kernel
+from hav_env.compiled import VECTOR, kernel, lanes_from, rare_kernel
 from hav_env.elementary import sincos
 
 Array = Any  # np.ndarray
@@ -54,12 +54,16 @@ FOOTPRINT, STABLE = range(2)  # d_i, the sum of the trailers' lengths; R_min, eq
 SPEED, STEERING, ARTICULATION, STEERING_COSINE, STEERING_SINE = range(5)
 
 
+FEW = 16  # HAVs up to which looking at all pairs is quicker than a grid
+
+
 class Nearby(NamedTuple):
     """Who is within sensing range of whom, found anew after every step."""
 
     count: Array  # (N, W)
     index: Array  # (N, N - 1, W) in ascending order
-    grid: Array  # (4, B, W) scratch of the search, rows COLUMN .. BUCKET
+    grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; for small swarms empty
+    place: Array  # (W, 3, N) scratch of the search: x, y, reach
 
 
 COLUMN, ROW, NEXT, BUCKET = range(4)  # cell of a HAV; next HAV in its bucket; first in a bucket
@@ -97,7 +101,8 @@ class World(NamedTuple):
     goals: Array  # (N, G, 3, W) goal poses: x [m], y [m], heading [rad]
     nearby: Nearby
     record: Record
-    lanes: int  # how many worlds: lane 0 is the first
+    first: int  # which world of the batch lane 0 is
+    lanes: int  # how many worlds there are from lane 0 on
     units: int  # how many units the longest HAV has that loops must reach
 
 
@@ -105,6 +110,7 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
     """Return the arrays of a batch, zeroed; a scenario fills them."""
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
     buckets = 1 << (2 * n - 1).bit_length()  # a power of two, at least twice the HAVs
+    searched = n if n > FEW else 0
 
     def real(*shape: int) -> np.ndarray:
         return np.zeros((*shape, w))
@@ -120,8 +126,14 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
         ),
         Fleet(whole(n), real(n, u), real(n, 2), real(n, 5)),
         real(n, g, 3),
-        Nearby(whole(n), whole(n, n - 1), whole(4, buckets)),
+        Nearby(
+            whole(n),
+            whole(n, n - 1),
+            np.zeros((w, 4, buckets if searched else 0), np.int64),
+            np.zeros((w, 3, searched)),
+        ),
         Record(whole(n, 3, 2), real(n, 3), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
+        0,
         num_worlds,
         num_units,
     )
@@ -155,7 +167,8 @@ def block_of(worlds, first, lanes, units):
         Nearby(
             lanes_from(nearby.count, first),
             lanes_from(nearby.index, first),
-            lanes_from(nearby.grid, first),
+            nearby.grid,
+            nearby.place,
         ),
         Record(
             lanes_from(record.first, first),
@@ -163,55 +176,84 @@ def block_of(worlds, first, lanes, units):
             lanes_from(record.goal, first),
             lanes_from(record.miss, first),
         ),
+        worlds.first + first,
         lanes,
         units,
     )
 
 
 @kernel
-def copy_lane(source, lane, target, to):
-    """Copy one lane of an array into a lane of another one, or of its own."""
-    for index in np.ndindex(target.shape[:-1]):
-        target[(*index, to)] = source[(*index, lane)]
+def moving_lanes(world, agent):
+    """Return the first of the lanes in which a HAV moves, and how many lanes there are to the last.
+
+    It may wait in some between; both ends are at whole vectors where the block has them.
+    """
+    first, end = 0, world.lanes
+    while first < end and world.state.waiting[agent, first]:
+        first += 1
+    while first < end and world.state.waiting[agent, end - 1]:
+        end -= 1
+    first = first // VECTOR * VECTOR
+    end = min((end + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
+    return first, max(end - first, 0)
+
+
+@kernel
+def exchange_lanes(one, lane, other, to):
+    """Exchange a lane of an array with a lane of another one, or of its own."""
+    for index in np.ndindex(one.shape[:-1]):
+        kept = other[(*index, to)]
+        other[(*index, to)] = one[(*index, lane)]
+        one[(*index, lane)] = kept
 
 
 @rare_kernel
-def copy_world(source, lane, target, to):
-    """Copy the world in one lane of a batch into a lane of another batch of the same shapes.
+def exchange_worlds(one, lane, other, to):
+    """Exchange the worlds in two lanes of batches of the same shapes, or of one batch.
 
-    The scratch of the search for neighbours stays behind: every search begins anew.
+    The scratch of the search for neighbours stays: each search begins anew.
     """
-    copy_lane(source.state.x, lane, target.state.x, to)
-    copy_lane(source.state.y, lane, target.state.y, to)
-    copy_lane(source.state.heading, lane, target.state.heading, to)
-    copy_lane(source.state.cosine, lane, target.state.cosine, to)
-    copy_lane(source.state.sine, lane, target.state.sine, to)
-    copy_lane(source.state.speed, lane, target.state.speed, to)
-    copy_lane(source.state.steering, lane, target.state.steering, to)
-    copy_lane(source.state.goal, lane, target.state.goal, to)
-    copy_lane(source.state.waiting, lane, target.state.waiting, to)
-    copy_lane(source.state.clock, lane, target.state.clock, to)
-    copy_lane(source.fleet.num_trailers, lane, target.fleet.num_trailers, to)
-    copy_lane(source.fleet.length, lane, target.fleet.length, to)
-    copy_lane(source.fleet.radius, lane, target.fleet.radius, to)
-    copy_lane(source.fleet.limit, lane, target.fleet.limit, to)
-    copy_lane(source.goals, lane, target.goals, to)
-    copy_lane(source.nearby.count, lane, target.nearby.count, to)
-    copy_lane(source.nearby.index, lane, target.nearby.index, to)
-    copy_lane(source.record.first, lane, target.record.first, to)
-    copy_lane(source.record.total, lane, target.record.total, to)
-    copy_lane(source.record.goal, lane, target.record.goal, to)
-    copy_lane(source.record.miss, lane, target.record.miss, to)
+    exchange_lanes(one.state.x, lane, other.state.x, to)
+    exchange_lanes(one.state.y, lane, other.state.y, to)
+    exchange_lanes(one.state.heading, lane, other.state.heading, to)
+    exchange_lanes(one.state.cosine, lane, other.state.cosine, to)
+    exchange_lanes(one.state.sine, lane, other.state.sine, to)
+    exchange_lanes(one.state.speed, lane, other.state.speed, to)
+    exchange_lanes(one.state.steering, lane, other.state.steering, to)
+    exchange_lanes(one.state.ahead, lane, other.state.ahead, to)
+    exchange_lanes(one.state.goal, lane, other.state.goal, to)
+    exchange_lanes(one.state.waiting, lane, other.state.waiting, to)
+    exchange_lanes(one.state.clock, lane, other.state.clock, to)
+    exchange_lanes(one.fleet.num_trailers, lane, other.fleet.num_trailers, to)
+    exchange_lanes(one.fleet.length, lane, other.fleet.length, to)
+    exchange_lanes(one.fleet.radius, lane, other.fleet.radius, to)
+    exchange_lanes(one.fleet.limit, lane, other.fleet.limit, to)
+    exchange_lanes(one.goals, lane, other.goals, to)
+    exchange_lanes(one.nearby.count, lane, other.nearby.count, to)
+    exchange_lanes(one.nearby.index, lane, other.nearby.index, to)
+    exchange_lanes(one.record.first, lane, other.record.first, to)
+    exchange_lanes(one.record.total, lane, other.record.total, to)
+    exchange_lanes(one.record.goal, lane, other.record.goal, to)
+    exchange_lanes(one.record.miss, lane, other.record.miss, to)
 
 
 def view_of(worlds: World, w: int) -> World:
     """Return the view of one world in Python: the arrays without their last axis."""
 
-    def view(arrays):
+    def view(arrays: Any) -> Any:
         return type(arrays)(*(array[..., w] for array in arrays))
 
-    state, fleet, goals, nearby, record, _, units = worlds
-    return World(view(state), view(fleet), goals[..., w], view(nearby), view(record), 1, units)
+    nearby = worlds.nearby
+    return World(
+        view(worlds.state),
+        view(worlds.fleet),
+        worlds.goals[..., w],
+        Nearby(nearby.count[..., w], nearby.index[..., w], nearby.grid, nearby.place),
+        view(worlds.record),
+        w,
+        1,
+        worlds.units,
+    )
 
 
 @kernel

@@ -1,13 +1,19 @@
-"""Policies that exist to be tested with.
+"""Policies, and a loop over lanes, that exist to be tested with.
 
 They have a folder of their own because compiled loops are cached under the digest of the folders
 that policies come from: the tests themselves can then change without a new compilation.
 """
 
+import math
 from typing import NamedTuple
 
+from baselines.avoid_jack import AvoidJack, choose_evaded, jackknife_weight, safe_speed
 from baselines.policy import act, memory_size
+from baselines.pursuit import goal_attraction
 from hav_env import sensing
+from hav_env.compiled import entry
+from hav_env.elementary import atan2, exp, floor, sincos
+from hav_env.geometry import clip
 
 
 class Weaving(NamedTuple):
@@ -66,3 +72,64 @@ def probe(policy, memory, world, agent, lane):
         row[at + 5] = sensing.neighbor_footprint(world, agent, k, lane)
         row[at + 6] = sensing.neighbor_length(world, agent, k, 1, lane)
     return 0.0, 0.0
+
+
+class OneByOne(NamedTuple):
+    """AVOID-JACK written for one HAV, which asks lane after lane; ``AvoidJack`` is for many lanes.
+
+    Both call the same functions of single numbers; the loops are what is compared.
+    """
+
+    rules: AvoidJack = AvoidJack()
+
+
+@memory_size.register
+def _(policy: OneByOne) -> int:
+    return 1  # 1 + the number of the HAV being evaded, 0 for none
+
+
+@act.register(OneByOne)
+def avoid_jack_one_by_one(policy, memory, world, agent, lane):
+    rules = policy.rules
+    steering_cosine, steering_sine = sensing.steering_direction(world, agent, lane)
+    side = goal_attraction(rules.close_factor, rules.straight_below, world, agent, lane)
+    forward, left = 1.0, 0.0
+    if side != 0.0:
+        forward, left = steering_cosine, side * steering_sine
+    evaded = choose_evaded(rules, memory, world, agent, lane)
+    if evaded >= 0:
+        forward, left = sensing.neighbor_position(world, agent, evaded, lane)
+        distance = max(math.sqrt(forward * forward + left * left), 1e-12)
+        forward, left = -forward / distance, -left / distance
+    weight = 0.0
+    for joint in range(1, sensing.num_trailers(world, agent, lane) + 1):
+        cosine, _ = sensing.articulation_direction(world, agent, joint, lane)
+        weight += jackknife_weight(rules, cosine)
+    cosine, sine = sensing.articulation_direction(world, agent, 1, lane)
+    speed, steering_max, articulation_max = sensing.limits(world, agent, lane)
+    safe = safe_speed(
+        rules.dt,
+        sensing.unit_length(world, agent, 0, lane),
+        sensing.unit_length(world, agent, 1, lane),
+        steering_sine / steering_cosine,
+        articulation_max,
+        rules.beta,
+    )
+    steering = atan2(left + weight * sine, forward + weight * cosine)
+    return min(speed, safe), clip(steering, -steering_max, steering_max)
+
+
+SINE, COSINE, ANGLE, POWER, WHOLE = range(5)
+
+
+@entry
+def evaluate(first, last, a, b, results):
+    """Fill results (5, W), rows SINE .. WHOLE, with the functions of a and b (W,), lane by lane."""
+    for w in range(first, last):
+        results[SINE, w], results[COSINE, w] = sincos(a[w])
+    for w in range(first, last):
+        results[ANGLE, w] = atan2(a[w], b[w])
+    for w in range(first, last):
+        results[POWER, w] = exp(a[w])
+    for w in range(first, last):
+        results[WHOLE, w] = floor(a[w])
