@@ -8,7 +8,7 @@ import numpy as np
 from hav_env import Batch
 from hav_env.batch import LANES
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
-from hav_env.world import block_of, moving_lanes
+from hav_env.lanes import block_of, moving_block
 
 
 @generic
@@ -51,11 +51,12 @@ def act_all(policy, memory, world, speed, steering):
     """Let every HAV of a block of worlds decide, (N, W) each: zero for one that waits."""
     for hav in range(speed.shape[0]):
         agent = fixed(hav)
-        first, count = moving_lanes(world, agent)
+        moving = moving_block(world, agent)
+        first = moving.first - world.first
         act_lanes(
             policy,
             lanes_from(memory, first),
-            block_of(world, first, count, world.units),
+            moving,
             agent,
             lanes_from(speed, first),
             lanes_from(steering, first),

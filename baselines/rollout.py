@@ -9,10 +9,19 @@ from baselines.metrics import tabulate
 from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
 from hav_env.batch import LANES
-from hav_env.compiled import VECTOR, canonical, default_threads, entry, kernel, rare_kernel, run_on_threads
+from hav_env.compiled import (
+    VECTOR,
+    canonical,
+    default_threads,
+    entry,
+    kernel,
+    rare_kernel,
+    run_on_threads,
+)
+from hav_env.lanes import block_of, exchange_lanes, exchange_worlds
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
-from hav_env.world import allocate_worlds, block_of, exchange_lanes, exchange_worlds
+from hav_env.world import allocate_worlds
 
 _SHARES = 4  # of each thread
 _FEWEST = 64  # episodes that are worth a share
@@ -39,11 +48,10 @@ def rollout_worlds(
         places[active] = order[waiting]
         exchange_worlds(worlds, places[active], stage, active)
         waiting, active = waiting + 1, active + 1
-    units = _longest(stage, active)
     while active > 0:
         # idle lanes in a whole vector cost less than odd ones
         lanes = min((active + VECTOR - 1) // VECTOR * VECTOR, stage.lanes)
-        block = block_of(stage, 0, lanes, units)
+        block = block_of(stage, 0, lanes, stage.units)
         act_all(policy, memory, block, speed, steering)
         if step(task, vehicle, block, speed, steering) == 0:
             continue
@@ -59,7 +67,6 @@ def rollout_worlds(
             else:
                 active -= 1
                 _exchange(stage, places, memory, lane, active)
-        units = _longest(stage, active)
         _arrange(stage, places, memory, active)
 
 
@@ -68,16 +75,6 @@ def _exchange(stage, places, memory, lane, other):
     exchange_worlds(stage, lane, stage, other)
     exchange_lanes(places, lane, places, other)
     exchange_lanes(memory, lane, memory, other)
-
-
-@kernel
-def _longest(stage, active):
-    """Return how many units the longest HAV on the stage has."""
-    longest = 0
-    for agent in range(stage.state.x.shape[0]):
-        for lane in range(active):
-            longest = max(longest, stage.fleet.num_trailers[agent, lane])
-    return longest + 1
 
 
 @rare_kernel
@@ -135,9 +132,9 @@ def rollout(
     batch.reset(seed, episodes)
     state = batch.worlds.state
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
-    # HAVs of like length share a block, whose loops reach to the longest unit; long ones first, for
-    # they take longest
-    order = np.argsort(-batch.worlds.fleet.num_trailers.max(axis=0), kind="stable")
+    # Loops over units reach to the longest HAV of a block: worlds alike are run side by side, long
+    # ones first, for they take longest.
+    order = np.lexsort(-batch.worlds.fleet.num_trailers[::-1])
     roll = functools.partial(_roll, canonical(policy), batch)
     run_on_threads(roll, _shares(order, threads or default_threads()), threads)
     return tabulate(batch.worlds, start, policy)

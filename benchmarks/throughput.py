@@ -1,122 +1,172 @@
-"""How many steps of moving HAVs are simulated in a second: the closed loop and its yardsticks.
+"""How many steps of moving HAVs are simulated in a second, and what that is to compare with.
 
-``python -m benchmarks.throughput`` prints the table of benchmarks/README.md.
+``python -m benchmarks.throughput`` prints the tables of benchmarks/README.md.
 """
 
+import contextlib
+import io
 import json
 import pathlib
 import statistics
+import subprocess
+import tarfile
+import tempfile
 import time
-from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import Annotated, NamedTuple
 
-import numpy as np
-import pyarrow.compute as pc
 import tyro
 from rich.console import Console
 from rich.table import Table
 
-from baselines.avoid_jack import AvoidJack
-from baselines.pursuit import DubinsPursuit
-from baselines.rollout import rollout
-from benchmarks import fresh_process
-from benchmarks.five_trailers import POLICY, SCENARIO, VEHICLE
+from benchmarks import fresh_process, limit
+from benchmarks.closed_loop import FIVE_TRAILERS, NO_POLICY, WORKLOADS, Version
+from benchmarks.kinematics import kinematics_rate
+from benchmarks.peers import missing_packages, peer_rates
 from benchmarks.yardsticks import check, drive_plain_python, drive_small_arrays
-from hav_env import OnAxle, RandomPoses, Task
 
-FIVE_TRAILERS, PLAIN, ARRAYS = "HAV with 5 trailers", "plain Python floats", "small NumPy arrays"
-_MOST_STEPS = 6_000  # of the HAV with five trailers, which has not hit its last goal by then
-
-
-class Workload(NamedTuple):
-    """What one row of the table runs."""
-
-    policy: Any
-    scenario: Any
-    num_episodes: int
-    max_steps: int = Task().max_steps
-    vehicle: Any = OnAxle()
-
-
-WORKLOADS = {
-    "single HAV (paper)": Workload(AvoidJack(), RandomPoses(), 320),
-    "pair (paper)": Workload(AvoidJack(), RandomPoses(num_havs=2), 128),
-    "swarm of 10": Workload(AvoidJack(), RandomPoses(num_havs=10), 64, 1_000),
-    "swarm of 200": Workload(AvoidJack(), RandomPoses(num_havs=200), 64, 100),
-    "single HAV, Dubins pursuit": Workload(DubinsPursuit(), RandomPoses(), 320),
-    FIVE_TRAILERS: Workload(POLICY, SCENARIO, 128, _MOST_STEPS, VEHICLE),
-}
+SCALAR = "8a46ef1"  # the last revision that worked on one HAV at a time
+PLAIN, ARRAYS = "plain Python floats", "small NumPy arrays"
+_ROOT = pathlib.Path(__file__).parents[1]
+_SCALAR_SHARE = 0.15  # of the work, for a version that takes so much longer
+_YARDSTICK_STEPS = 6_000
+_MIX = "the paper's mix"
+_TRAILERS = {"1 trailer": 1, "5 trailers": 5, "10 trailers": 10, _MIX: None}
 
 
 class Figures(NamedTuple):
-    """What one run of the benchmark measured."""
+    """What one run of the benchmark measured, HAV-steps/s but for the last three."""
 
-    rates: dict[str, dict[int, float]]  # row -> threads -> HAV-steps/s
+    closed_loop: dict[str, dict[str, float]]  # row -> "1 thread", "2 threads", "scalar"
+    limits: dict[str, dict[str, float]]  # trailers -> "kinematics", "C++ kinematics", "C++ ..."
+    peers: dict[str, float]  # agent-steps/s
     first_start: float | None  # [s] to a finished experiment on an empty cache
     second_start: float | None  # [s] on the cache it left
     memory: dict[int, float]  # experiments -> peak [MiB]
 
 
-def compiled_rate(workload: Workload, threads: int, share: float) -> float:
-    """Return HAV-steps/s of a whole rollout, its table included; waiting HAVs do not count."""
-    episodes = np.arange(max(1, round(share * workload.num_episodes)))
-    task = Task(max_steps=workload.max_steps)
-    start = time.perf_counter()
-    table = rollout(
-        workload.policy, workload.scenario, 0, episodes, task, workload.vehicle, threads
-    )
-    seconds = time.perf_counter() - start
-    return pc.sum(table["moving_steps"]).as_py() / seconds
+@contextlib.contextmanager
+def scalar_version() -> Iterator[Version | None]:
+    """Give the scalar revision as a running process; None where git does not have it."""
+    command = ["git", "archive", SCALAR, "hav_env", "baselines"]
+    try:
+        archive = subprocess.run(command, cwd=_ROOT, check=True, capture_output=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        yield None
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        with tarfile.open(fileobj=io.BytesIO(archive)) as files:
+            files.extractall(folder, filter="data")
+        version = Version(folder)
+        try:
+            yield version
+        finally:
+            version.close()
 
 
-def yardstick_rate(drive: Callable, num_steps: int) -> float:
-    """Return HAV-steps/s of a yardstick."""
-    start = time.perf_counter()
-    drive(num_steps)
-    return num_steps / (time.perf_counter() - start)
-
-
-def measure_rates(repetitions: int, share: float) -> dict[str, dict[int, float]]:
-    """Measure all rows in turn, again and again, and return the medians.
+def measure_in_turns(
+    runs: dict[tuple[str, str], Callable[[], float]], repetitions: int
+) -> dict[str, dict[str, float]]:
+    """Measure all (row, column) in turn, again and again, and return the medians by row.
 
     Machines are shared: what is compared is measured close together in time.
     """
-    runs: dict[tuple[str, int], Callable[[], float]] = {}
-    for name, workload in WORKLOADS.items():
-        compiled_rate(workload, 1, 0.0)  # compile
-        for threads in (1, 2):
-            runs[name, threads] = lambda w=workload, t=threads: compiled_rate(w, t, share)
-    for name, drive in ((PLAIN, drive_plain_python), (ARRAYS, drive_small_arrays)):
-        runs[name, 1] = lambda d=drive: yardstick_rate(d, _MOST_STEPS)
-    samples: dict[tuple[str, int], list[float]] = {key: [] for key in runs}
+    samples: dict[tuple[str, str], list[float]] = {key: [] for key in runs}
     for _ in range(repetitions):
         for key, run in runs.items():
             samples[key].append(run())
-    rates: dict[str, dict[int, float]] = {}
-    for (name, threads), sample in samples.items():
-        rates.setdefault(name, {})[threads] = statistics.median(sample)
+    medians: dict[str, dict[str, float]] = {}
+    for (row, column), sample in samples.items():
+        medians.setdefault(row, {})[column] = statistics.median(sample)
+    return medians
+
+
+def measure_closed_loop(repetitions: int, share: float) -> dict[str, dict[str, float]]:
+    """Measure the workloads, by this version and the scalar one, and the yardsticks."""
+    runs: dict[tuple[str, str], Callable[[], float]] = {}
+    now = Version(str(_ROOT))
+    with scalar_version() as scalar:
+        for name in (*WORKLOADS, NO_POLICY):
+            now.rate(name, 1, 0.0)  # compiles
+            runs[name, "1 thread"] = lambda n=name: now.rate(n, 1, share)
+            runs[name, "2 threads"] = lambda n=name: now.rate(n, 2, share)
+            if scalar:
+                scalar.rate(name, 1, 0.0)
+                less = share * _SCALAR_SHARE
+                runs[name, "scalar"] = lambda n=name, s=less: scalar.rate(n, 1, s)
+        for name, drive in ((PLAIN, drive_plain_python), (ARRAYS, drive_small_arrays)):
+            runs[name, "1 thread"] = lambda d=drive: _yardstick_rate(d)
+        rates = measure_in_turns(runs, repetitions)
+    now.close()
+    return rates
+
+
+def _yardstick_rate(drive: Callable) -> float:
+    start = time.perf_counter()
+    drive(_YARDSTICK_STEPS)
+    return _YARDSTICK_STEPS / (time.perf_counter() - start)
+
+
+def measure_limits(repetitions: int, share: float) -> dict[str, dict[str, float]]:
+    """Measure single HAVs beside the C++ yardstick, one thread."""
+    runs: dict[tuple[str, str], Callable[[], float]] = {}
+    now = Version(str(_ROOT))
+    with tempfile.TemporaryDirectory() as folder:
+        program = limit.build(folder)
+        if program:
+            limit.check(program)
+        for row, trailers in _TRAILERS.items():
+            name = "single HAV (paper)" if trailers is None else f"single HAV, {row}"
+            now.rate(name, 1, 0.0)
+            kinematics_rate(trailers, 1)
+            runs[row, "closed loop"] = lambda n=name: now.rate(n, 1, share)
+            runs[row, "kinematics"] = lambda t=trailers: kinematics_rate(t)
+            if program:
+                for column in ("closed loop", "kinematics alone"):
+                    runs[row, f"C++ {column}"] = lambda c=column, t=trailers: limit.measure(
+                        program, t, 1
+                    )[c]
+        rates = measure_in_turns(runs, repetitions)
+    now.close()
     return rates
 
 
 def show(figures: Figures) -> None:
-    """Print the figures as a table and two lines."""
-    table = Table(title="closed loop, HAV-steps/s (HAVs that wait do not count)")
-    table.add_column("what")
-    for column in ("1 thread", "2 threads", "2 : 1", ": plain Python", ": NumPy"):
+    """Print the figures as tables and lines."""
+    console = Console(width=110)
+    plain, arrays = (figures.closed_loop[name]["1 thread"] for name in (PLAIN, ARRAYS))
+    table = _table("closed loop, HAV-steps/s (HAVs that wait do not count)", "what")
+    for column in ("1 thread", "2 threads", "2 : 1", "scalar", ": scalar"):
         table.add_column(column, justify="right")
-    plain, arrays = figures.rates[PLAIN][1], figures.rates[ARRAYS][1]
-    for name, rates in figures.rates.items():
-        one, two = rates[1], rates.get(2)
+    for name, rates in figures.closed_loop.items():
+        one, two, scalar = (rates.get(c) for c in ("1 thread", "2 threads", "scalar"))
         table.add_row(
-            name,
-            f"{one:,.0f}",
-            f"{two:,.0f}" if two else "",
-            f"{two / one:.2f}" if two else "",
-            f"{one / plain:.3g}",
-            f"{one / arrays:.3g}",
+            name, _rate(one), _rate(two), _ratio(two, one), _rate(scalar), _ratio(one, scalar)
         )
-    console = Console(width=100)
     console.print(table)
+    like = figures.closed_loop[FIVE_TRAILERS]["1 thread"]
+    console.print(f"{FIVE_TRAILERS}: {like / plain:.0f} x {PLAIN}, {like / arrays:.0f} x {ARRAYS}")
+    table = _table("single HAV, one thread, beside the C++ yardstick, HAV-steps/s", "trailers")
+    for column in ("closed loop", "C++", ": C++", "kinematics alone", "C++", ": C++"):
+        table.add_column(column, justify="right")
+    for row, rates in figures.limits.items():
+        cells = []
+        for own, other in (
+            ("closed loop", "C++ closed loop"),
+            ("kinematics", "C++ kinematics alone"),
+        ):
+            one, two = rates[own], rates.get(other)
+            cells += [_rate(one), _rate(two), _ratio(one, two)]
+        table.add_row(row, *cells)
+    console.print(table)
+    if figures.peers:
+        table = _table("peers on their own tasks, agent-steps/s", "what")
+        table.add_column("random actions", justify="right")
+        for name, value in figures.peers.items():
+            table.add_row(name, _rate(value))
+        console.print(table)
+    for package in missing_packages():
+        console.print(f"{package} is not installed: no rows of it")
     if figures.first_start is not None:
         console.print(
             f"process start to first finished experiment: {figures.first_start:.1f} s on an empty"
@@ -126,27 +176,48 @@ def show(figures: Figures) -> None:
         console.print(f"peak memory of {count:,} experiments: {memory:.0f} MiB")
 
 
+def _table(title: str, first: str) -> Table:
+    table = Table(title=title)
+    table.add_column(first)
+    return table
+
+
+def _rate(value: float | None) -> str:
+    return "" if value is None else f"{value:,.0f}"
+
+
+def _ratio(one: float | None, other: float | None) -> str:
+    return f"{one / other:.2f}" if one and other else ""
+
+
 def main(
     quick: bool = False,
     repetitions: int = 3,
     json_file: Annotated[pathlib.Path | None, tyro.conf.arg(name="json")] = None,
 ) -> None:
-    """Measure the closed loop and its yardsticks.
+    """Measure the closed loop, and what it is to be compared with.
 
     Args:
-        quick: one repetition of a quarter of the work, no fresh processes: to see that it runs.
-        repetitions: of every measurement; the table shows medians.
+        quick: one repetition of a tenth of the work, no peers, no fresh processes: does it run?
+        repetitions: of every measurement; the tables show medians.
         json_file: where to write the figures.
     """
     check()
     first_start = second_start = None
-    memory = {}
+    memory: dict[int, float] = {}
     if not quick:
         first_start, second_start = fresh_process.start_seconds()
         fresh_process.peak_memory(1)  # compiles, which takes memory of its own
         memory = {count: fresh_process.peak_memory(count) for count in (500, 2_000)}
-    rates = measure_rates(1, 0.25) if quick else measure_rates(repetitions, 1.0)
-    figures = Figures(rates, first_start, second_start, memory)
+    repetitions, share = (1, 0.1) if quick else (repetitions, 1.0)
+    figures = Figures(
+        measure_closed_loop(repetitions, share),
+        measure_limits(repetitions, share),
+        {} if quick else peer_rates(),
+        first_start,
+        second_start,
+        memory,
+    )
     show(figures)
     if json_file:
         json_file.write_text(json.dumps(figures._asdict(), indent=2) + "\n")

@@ -5,15 +5,16 @@ import numbers
 import numpy as np
 
 from hav_env.compiled import canonical, default_threads, entry, lanes_from
+from hav_env.lanes import block_of, view_of
 from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.task import Task, check_task
 from hav_env.transition import begin, step
 from hav_env.vehicles import OnAxle, check_vehicle
-from hav_env.world import STEP, World, allocate_worlds, block_of, view_of
+from hav_env.world import STEP, World, allocate_worlds
 
-_FEWEST = 256  # HAVs whose step takes longer than to wake a thread
-LANES = 64  # worlds of a block: what a step reads and writes then stays in the nearest caches
+_FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
+LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
 
 
 @entry
@@ -104,8 +105,6 @@ class Batch:
             threads=self.num_threads,
         )
         check_placed(placed, self.scenario)
-        longest = int(self.worlds.fleet.num_trailers.max())
-        self.worlds = self.worlds._replace(units=longest + 1)
         self._begun = True
 
     def step(self, speed: np.ndarray, steering: np.ndarray) -> None:

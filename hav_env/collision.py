@@ -2,7 +2,7 @@
 
 from hav_env.compiled import kernel
 from hav_env.geometry import segments_intersect
-from hav_env.world import FOOTPRINT, truck_distance
+from hav_env.world import END_X, END_Y, FOOTPRINT, HIGH, LEFT, LOW, RIGHT, truck_distance
 
 
 @kernel
@@ -28,16 +28,13 @@ def reach(fleet, agent, lane):
 
 
 @kernel
-def within_reach(world, agent, other, lane):
-    """Tell whether two HAVs are near enough to touch, whichever way they bend."""
-    reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
-    return truck_distance(world.state, agent, other, lane) <= reaches
-
-
-@kernel
 def axle_behind(world, agent, unit, lane, x, y):
-    """Return the position [m] of a unit's rear end, given that of its front end."""
-    length = world.fleet.length[agent, unit, lane]
+    """Return the position [m] of a unit's rear end, given that of its front end.
+
+    They are the same for a unit beyond the HAV's last.
+    """
+    present = unit <= world.fleet.num_trailers[agent, lane]
+    length = world.fleet.length[agent, unit, lane] if present else 0.0
     return (
         x - length * world.state.cosine[agent, unit, lane],
         y - length * world.state.sine[agent, unit, lane],
@@ -55,24 +52,41 @@ def front_axle(world, agent, lane):
 
 
 @kernel
-def _box(world, agent, lane):
-    x, y = front_axle(world, agent, lane)
-    left, right, low, high = x, x, y, y
-    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
-        x, y = axle_behind(world, agent, unit, lane, x, y)
-        left, right, low, high = min(left, x), max(right, x), min(low, y), max(high, y)
-    return left, right, low, high
+def enclose(world, agent):
+    """Find the box round the chain of axles of a HAV, in every lane of a block."""
+    box = world.nearby.box
+    for lane in range(world.lanes):
+        x, y = front_axle(world, agent, lane)
+        box[agent, LEFT, lane] = box[agent, RIGHT, lane] = box[agent, END_X, lane] = x
+        box[agent, LOW, lane] = box[agent, HIGH, lane] = box[agent, END_Y, lane] = y
+    for unit in range(world.units):
+        for lane in range(world.lanes):
+            x, y = box[agent, END_X, lane], box[agent, END_Y, lane]
+            x, y = axle_behind(world, agent, unit, lane, x, y)
+            box[agent, LEFT, lane] = min(box[agent, LEFT, lane], x)
+            box[agent, RIGHT, lane] = max(box[agent, RIGHT, lane], x)
+            box[agent, LOW, lane] = min(box[agent, LOW, lane], y)
+            box[agent, HIGH, lane] = max(box[agent, HIGH, lane], y)
+            box[agent, END_X, lane], box[agent, END_Y, lane] = x, y
+
+
+@kernel
+def boxes_overlap(world, agent, other, lane):
+    """Tell whether the boxes round two HAVs, as ``enclose`` found them, have a point in common."""
+    box = world.nearby.box
+    apart = box[agent, RIGHT, lane] < box[other, LEFT, lane]
+    apart = apart | (box[other, RIGHT, lane] < box[agent, LEFT, lane])
+    apart = apart | (box[agent, HIGH, lane] < box[other, LOW, lane])
+    apart = apart | (box[other, HIGH, lane] < box[agent, LOW, lane])
+    return not apart
 
 
 @kernel
 def actual_collision(world, agent, other, lane):
-    """Tell whether the chains of axles of two HAVs have a point in common, eq. (collision)."""
-    if not within_reach(world, agent, other, lane):
-        return False
-    left, right, low, high = _box(world, agent, lane)
-    other_left, other_right, other_low, other_high = _box(world, other, lane)
-    if right < other_left or other_right < left or high < other_low or other_high < low:
-        return False
+    """Tell whether the chains of axles of two HAVs have a point in common, eq. (collision).
+
+    Exact and slow: for HAVs whose boxes overlap.
+    """
     ax, ay = front_axle(world, agent, lane)
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
         bx, by = axle_behind(world, agent, unit, lane, ax, ay)

@@ -18,7 +18,12 @@ from hav_env.compiled import bits_of, float_of, fma, kernel
 _ROUNDER = 1.5 * 2.0**52
 _ROUNDER_BITS = bits_of(_ROUNDER)
 _QUARTER_TURNS = 2.0 / math.pi
-_QUARTER_HIGH, _QUARTER_LOW = 0.5 * math.pi, 6.123233995736766e-17  # pi / 2 in 106 bits
+# pi / 2 in 159 bits: some numbers are within 1e-17 of its multiples
+_QUARTER_HIGH, _QUARTER_MIDDLE, _QUARTER_LOW = (
+    0.5 * math.pi,
+    6.123233995736766e-17,
+    -1.4973849048591833e-33,
+)
 _TAN_PI_8 = 0.41421356237309503
 _SMALLEST = 1e-300  # keeps 0 / 0 away
 _LOG2_E = 1.4426950408889634
@@ -43,7 +48,8 @@ def sincos(angle):
     shifted = fma(angle, _QUARTER_TURNS, _ROUNDER)
     quarters = shifted - _ROUNDER
     quadrant = bits_of(shifted) - _ROUNDER_BITS
-    r = fma(-quarters, _QUARTER_LOW, fma(-quarters, _QUARTER_HIGH, angle))
+    r = fma(-quarters, _QUARTER_MIDDLE, fma(-quarters, _QUARTER_HIGH, angle))
+    r = fma(-quarters, _QUARTER_LOW, r)
     z = r * r
     p = fma(1.58969099521155010221e-10, z, -2.50507602534068634195e-08)
     p = fma(fma(p, z, 2.75573137070700676789e-06), z, -1.98412698298579493134e-04)

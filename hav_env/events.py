@@ -2,7 +2,7 @@
 
 import math
 
-from hav_env.collision import actual_collision, potential_collision, within_reach
+from hav_env.collision import actual_collision, boxes_overlap, potential_collision
 from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.dubins import path_length
 from hav_env.elementary import sincos
@@ -106,10 +106,10 @@ def record_collisions(world):
     if num_havs <= FEW:
         for agent in range(num_havs):
             for other in range(agent + 1, num_havs):
-                touching = 0
+                news = 0
                 for lane in range(world.lanes):
-                    touching += _is_news(world, agent, other, lane)
-                if touching > 0:
+                    news += _may_be_news(world, agent, other, lane)
+                if news > 0:
                     _record_pairs(world, agent, other)
     else:
         for lane in range(world.lanes):
@@ -120,10 +120,28 @@ def record_collisions(world):
                         _record_pair(world, agent, other, lane)
 
 
+@kernel
+def _may_be_news(world, agent, other, lane):
+    """Tell whether there is a first potential collision, or maybe a first actual one."""
+    first = world.record.first
+    potential = _is_new(first, POTENTIAL, agent, other, lane)
+    actual = _is_new(first, ACTUAL, agent, other, lane)
+    return (potential & potential_collision(world, agent, other, lane)) | (
+        actual & boxes_overlap(world, agent, other, lane)
+    )
+
+
+@kernel
+def _is_new(first, event, agent, other, lane):
+    own, others = first[agent, event, WHEN, lane], first[other, event, WHEN, lane]
+    return (own == NEVER) | (others == NEVER)
+
+
 @rare_kernel
 def _record_pairs(world, agent, other):
     for lane in range(world.lanes):
-        _record_pair(world, agent, other, lane)
+        if _may_be_news(world, agent, other, lane):
+            _record_pair(world, agent, other, lane)
 
 
 @kernel
@@ -132,24 +150,10 @@ def _record_pair(world, agent, other, lane):
     new_potential = _is_new(first, POTENTIAL, agent, other, lane)
     if new_potential and potential_collision(world, agent, other, lane):
         _record_both(world, POTENTIAL, agent, other, lane)
-    if _is_new(first, ACTUAL, agent, other, lane) and actual_collision(world, agent, other, lane):
+    new_actual = _is_new(first, ACTUAL, agent, other, lane)
+    may_touch = new_actual and boxes_overlap(world, agent, other, lane)
+    if may_touch and actual_collision(world, agent, other, lane):
         _record_both(world, ACTUAL, agent, other, lane)
-
-
-@kernel
-def _is_news(world, agent, other, lane):
-    """Tell whether two HAVs are near enough to touch, and it would be the first time for one."""
-    first = world.record.first
-    potential = _is_new(first, POTENTIAL, agent, other, lane)
-    return within_reach(world, agent, other, lane) & (
-        potential | _is_new(first, ACTUAL, agent, other, lane)
-    )
-
-
-@kernel
-def _is_new(first, event, agent, other, lane):
-    own, others = first[agent, event, WHEN, lane], first[other, event, WHEN, lane]
-    return (own == NEVER) | (others == NEVER)
 
 
 @kernel

@@ -1,5 +1,6 @@
 """One step of a block of worlds: the whole decision process on one screen."""
 
+from hav_env.collision import enclose
 from hav_env.compiled import fixed, kernel
 from hav_env.events import (
     assign_goal,
@@ -9,10 +10,11 @@ from hav_env.events import (
     record_motion,
 )
 from hav_env.geometry import clip
+from hav_env.lanes import block_of, moving_block
 from hav_env.neighborhood import find_nearby
 from hav_env.scenarios import populate
 from hav_env.vehicles import move
-from hav_env.world import EPISODE, PHASE, SEED, SPEED, STEERING, STEP, block_of, moving_lanes
+from hav_env.world import EPISODE, PHASE, SEED, SPEED, STEERING, STEP
 
 
 @kernel
@@ -28,6 +30,8 @@ def begin(scenario, task, world, lane, seed, episode):
     placed = populate(scenario, world, lane)
     _begin_phase(world, lane, 0)
     alone = block_of(world, lane, 1, world.units)
+    for agent in range(state.x.shape[0]):
+        enclose(alone, agent)
     find_nearby(task, alone)
     record_collisions(alone)
     return placed
@@ -51,18 +55,18 @@ def step(task, vehicle, world, speed, steering):
     for hav in range(num_havs):
         agent = fixed(hav)
         _command(world, agent, speed, steering)
-        first, count = moving_lanes(world, agent)
-        moving = block_of(world, first, count, world.units)
+        moving = moving_block(world, agent)
         move(vehicle, task.dt, moving, agent)
         record_motion(task.dt, moving, agent)
+        if num_havs > 1:
+            enclose(moving, agent)
     if num_havs > 1:
         find_nearby(task, world)
         record_collisions(world)
     hits = 0
     for hav in range(num_havs):
         agent = fixed(hav)
-        first, count = moving_lanes(world, agent)
-        hits += record_approach(task, block_of(world, first, count, world.units), agent)
+        hits += record_approach(task, moving_block(world, agent), agent)
     if hits > 0:
         _begin_phases(world)
     return news + hits

@@ -1,4 +1,4 @@
-"""The arrays that a batch of worlds consists of, and blocks of its lanes.
+"""The arrays that a batch of worlds consists of.
 
 Shapes: N HAVs of a world, U units of a HAV (unit 0 is the truck; padded), G goals of a HAV, W
 worlds. The world is the last axis, the "lane": kernels run over HAVs and units outside and over the
@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, kernel, lanes_from, rare_kernel
+from hav_env.compiled import kernel
 from hav_env.elementary import sincos
 
 Array = Any  # np.ndarray
@@ -62,10 +62,12 @@ class Nearby(NamedTuple):
 
     count: Array  # (N, W)
     index: Array  # (N, N - 1, W) in ascending order
+    box: Array  # (N, 6, W) round the chain of a HAV, columns LEFT .. END_Y [m]
     grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; for small swarms empty
     place: Array  # (W, 3, N) scratch of the search: x, y, reach
 
 
+LEFT, RIGHT, LOW, HIGH, END_X, END_Y = range(6)  # the end is the last axle
 COLUMN, ROW, NEXT, BUCKET = range(4)  # cell of a HAV; next HAV in its bucket; first in a bucket
 
 
@@ -103,11 +105,14 @@ class World(NamedTuple):
     record: Record
     first: int  # which world of the batch lane 0 is
     lanes: int  # how many worlds there are from lane 0 on
-    units: int  # how many units the longest HAV has that loops must reach
+    units: int  # to how many units of a HAV loops reach
 
 
 def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: int) -> World:
-    """Return the arrays of a batch, zeroed; a scenario fills them."""
+    """Return the arrays of a batch; a scenario fills them.
+
+    Until then they hold HAVs of one metre that stand, which can be stepped along.
+    """
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
     buckets = 1 << (2 * n - 1).bit_length()  # a power of two, at least twice the HAVs
     searched = n if n > FEW else 0
@@ -124,11 +129,12 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
             *(real(n), real(n), real(n, u), real(n, u), real(n, u), real(n), real(n)),
             *(real(3), real(n, 6), waiting, whole(4)),
         ),
-        Fleet(whole(n), real(n, u), real(n, 2), real(n, 5)),
+        Fleet(whole(n), *(real(n, size) + 1.0 for size in (u, 2, 5))),
         real(n, g, 3),
         Nearby(
             whole(n),
             whole(n, n - 1),
+            real(n, 6),
             np.zeros((w, 4, buckets if searched else 0), np.int64),
             np.zeros((w, 3, searched)),
         ),
@@ -136,123 +142,6 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
         0,
         num_worlds,
         num_units,
-    )
-
-
-@kernel
-def block_of(worlds, first, lanes, units):
-    """Return ``lanes`` worlds of a batch, from world ``first`` on, with loops to ``units``."""
-    state, fleet, nearby, record = worlds.state, worlds.fleet, worlds.nearby, worlds.record
-    return World(
-        State(
-            lanes_from(state.x, first),
-            lanes_from(state.y, first),
-            lanes_from(state.heading, first),
-            lanes_from(state.cosine, first),
-            lanes_from(state.sine, first),
-            lanes_from(state.speed, first),
-            lanes_from(state.steering, first),
-            lanes_from(state.ahead, first),
-            lanes_from(state.goal, first),
-            lanes_from(state.waiting, first),
-            lanes_from(state.clock, first),
-        ),
-        Fleet(
-            lanes_from(fleet.num_trailers, first),
-            lanes_from(fleet.length, first),
-            lanes_from(fleet.radius, first),
-            lanes_from(fleet.limit, first),
-        ),
-        lanes_from(worlds.goals, first),
-        Nearby(
-            lanes_from(nearby.count, first),
-            lanes_from(nearby.index, first),
-            nearby.grid,
-            nearby.place,
-        ),
-        Record(
-            lanes_from(record.first, first),
-            lanes_from(record.total, first),
-            lanes_from(record.goal, first),
-            lanes_from(record.miss, first),
-        ),
-        worlds.first + first,
-        lanes,
-        units,
-    )
-
-
-@kernel
-def moving_lanes(world, agent):
-    """Return the first of the lanes in which a HAV moves, and how many lanes there are to the last.
-
-    It may wait in some between; both ends are at whole vectors where the block has them.
-    """
-    first, end = 0, world.lanes
-    while first < end and world.state.waiting[agent, first]:
-        first += 1
-    while first < end and world.state.waiting[agent, end - 1]:
-        end -= 1
-    first = first // VECTOR * VECTOR
-    end = min((end + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
-    return first, max(end - first, 0)
-
-
-@kernel
-def exchange_lanes(one, lane, other, to):
-    """Exchange a lane of an array with a lane of another one, or of its own."""
-    for index in np.ndindex(one.shape[:-1]):
-        kept = other[(*index, to)]
-        other[(*index, to)] = one[(*index, lane)]
-        one[(*index, lane)] = kept
-
-
-@rare_kernel
-def exchange_worlds(one, lane, other, to):
-    """Exchange the worlds in two lanes of batches of the same shapes, or of one batch.
-
-    The scratch of the search for neighbours stays: each search begins anew.
-    """
-    exchange_lanes(one.state.x, lane, other.state.x, to)
-    exchange_lanes(one.state.y, lane, other.state.y, to)
-    exchange_lanes(one.state.heading, lane, other.state.heading, to)
-    exchange_lanes(one.state.cosine, lane, other.state.cosine, to)
-    exchange_lanes(one.state.sine, lane, other.state.sine, to)
-    exchange_lanes(one.state.speed, lane, other.state.speed, to)
-    exchange_lanes(one.state.steering, lane, other.state.steering, to)
-    exchange_lanes(one.state.ahead, lane, other.state.ahead, to)
-    exchange_lanes(one.state.goal, lane, other.state.goal, to)
-    exchange_lanes(one.state.waiting, lane, other.state.waiting, to)
-    exchange_lanes(one.state.clock, lane, other.state.clock, to)
-    exchange_lanes(one.fleet.num_trailers, lane, other.fleet.num_trailers, to)
-    exchange_lanes(one.fleet.length, lane, other.fleet.length, to)
-    exchange_lanes(one.fleet.radius, lane, other.fleet.radius, to)
-    exchange_lanes(one.fleet.limit, lane, other.fleet.limit, to)
-    exchange_lanes(one.goals, lane, other.goals, to)
-    exchange_lanes(one.nearby.count, lane, other.nearby.count, to)
-    exchange_lanes(one.nearby.index, lane, other.nearby.index, to)
-    exchange_lanes(one.record.first, lane, other.record.first, to)
-    exchange_lanes(one.record.total, lane, other.record.total, to)
-    exchange_lanes(one.record.goal, lane, other.record.goal, to)
-    exchange_lanes(one.record.miss, lane, other.record.miss, to)
-
-
-def view_of(worlds: World, w: int) -> World:
-    """Return the view of one world in Python: the arrays without their last axis."""
-
-    def view(arrays: Any) -> Any:
-        return type(arrays)(*(array[..., w] for array in arrays))
-
-    nearby = worlds.nearby
-    return World(
-        view(worlds.state),
-        view(worlds.fleet),
-        worlds.goals[..., w],
-        Nearby(nearby.count[..., w], nearby.index[..., w], nearby.grid, nearby.place),
-        view(worlds.record),
-        w,
-        1,
-        worlds.units,
     )
 
 

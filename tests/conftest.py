@@ -7,7 +7,9 @@ import numpy as np
 from hypothesis import settings
 
 from hav_env import Batch, RandomPoses, Task
-from hav_env.world import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE, view_of
+from hav_env.collision import enclose
+from hav_env.lanes import block_of, view_of
+from hav_env.world import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE
 
 COMPILED = not numba.config.DISABLE_JIT  # coverage is measured without compilation
 
@@ -46,7 +48,6 @@ def open_plane(num_worlds=1, num_havs=1, num_trailers=3, *, task=Task(), vehicle
     batch.reset(0)
     aim(batch.worlds, ALL, ALL, 1e9, 1e9, 1e9)
     batch.worlds.record.first[:] = -1
-    batch.worlds = batch.worlds._replace(units=num_trailers + 1)  # not only what was drawn
     return batch
 
 
@@ -75,6 +76,7 @@ def put(worlds, lengths, x=0.0, y=0.0, headings=0.0, *, w=0, agent=0):
     state.heading[agent, :units, w] = headings
     state.cosine[agent, :, w] = np.cos(state.heading[agent, :, w])
     state.sine[agent, :, w] = np.sin(state.heading[agent, :, w])
+    enclose(block_of(worlds, w, 1, worlds.units), agent)
 
 
 def limit(worlds, *, speed=1.0, steering=math.radians(50), articulation=math.pi / 2):

@@ -19,7 +19,7 @@ from hav_env import Batch, RandomPoses, Task, explicit
 from hav_env.compiled import default_threads
 
 POLICIES = [AvoidJack(), DubinsPursuit(), Random(), Weaving()]
-SWARMS = {1: 400, 2: 400, 20: 60}  # HAVs: steps
+SWARMS = {1: (400, 30), 2: (400, 30), 20: (60, 6)}  # HAVs: steps, compiled and not
 
 
 def named(policy):
@@ -32,7 +32,7 @@ def text(table) -> str:
 
 
 def short(policy, num_havs, episodes, **options):
-    task = Task(max_steps=budget(SWARMS[num_havs], 30))
+    task = Task(max_steps=budget(*SWARMS[num_havs]))
     return rollout(policy, RandomPoses(num_havs=num_havs), 11, np.array(episodes), task, **options)
 
 
@@ -80,7 +80,7 @@ def python_loop(policy, scenario, seed, episode, task):
 @pytest.mark.parametrize("policy", POLICIES, ids=named)
 @pytest.mark.parametrize("num_havs", SWARMS)
 def test_a_rollout_is_a_loop_of_decisions_and_steps(policy, num_havs):
-    scenario, task = RandomPoses(num_havs=num_havs), Task(max_steps=budget(SWARMS[num_havs], 20))
+    scenario, task = RandomPoses(num_havs=num_havs), Task(max_steps=budget(*SWARMS[num_havs]))
     for episode in (0, 3):
         table = rollout(policy, scenario, 5, np.array([episode]), task)
         assert text(table) == text(python_loop(policy, scenario, 5, episode, task))

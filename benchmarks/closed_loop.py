@@ -1,0 +1,124 @@
+"""The workloads of the benchmark, and a process that runs them on demand.
+
+``python benchmarks/closed_loop.py`` reads JSON lists of name, threads and share, one on a line, and
+answers each with HAV-steps/s. It uses what every version of hav_env has, so it measures an earlier
+one as well, when that one comes first on the path.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyarrow.compute as pc
+
+from baselines.avoid_jack import AvoidJack
+from baselines.pursuit import DubinsPursuit
+from baselines.rollout import rollout
+from hav_env import Batch, OnAxle, RandomPoses, Task, explicit
+
+FIVE_TRAILERS = "the yardsticks' HAV"
+NO_POLICY = "single HAV, no policy"
+_LENGTHS = (4.0, 6.0, 8.0, 5.0, 7.0, 6.0)  # as in five_trailers.py, which is not in all versions
+_GOALS = ((100.0, 20.0, 1.0), (60.0, 90.0, 3.0), (10.0, 40.0, -1.5), (90.0, 10.0, 0.5))
+_GOALS += ((20.0, 80.0, 2.0), (70.0, 50.0, -2.5))
+_YARDSTICKS = explicit([_LENGTHS], [(0.0, 0.0, 0.0)], [_GOALS], steering_max=np.radians(50.0))
+
+
+class Workload(NamedTuple):
+    """What one row of the table runs."""
+
+    scenario: Any
+    num_episodes: int
+    max_steps: int = Task().max_steps
+    policy: Any = AvoidJack()
+    vehicle: Any = OnAxle()
+
+
+def _trailers(count: int) -> RandomPoses:
+    return RandomPoses(min_trailers=count, max_trailers=count)
+
+
+WORKLOADS = {
+    "single HAV (paper)": Workload(RandomPoses(), 2_250),
+    "pair (paper)": Workload(RandomPoses(num_havs=2), 900),
+    "swarm of 10": Workload(RandomPoses(num_havs=10), 448, 1_000),
+    "swarm of 50": Workload(RandomPoses(num_havs=50), 128, 300),
+    "swarm of 200": Workload(RandomPoses(num_havs=200), 64, 100),
+    "single HAV, 1 trailer": Workload(_trailers(1), 2_250),
+    "single HAV, 5 trailers": Workload(_trailers(5), 2_250),
+    "single HAV, 10 trailers": Workload(_trailers(10), 2_250),
+    "single HAV, Dubins pursuit": Workload(RandomPoses(), 2_250, policy=DubinsPursuit()),
+    FIVE_TRAILERS: Workload(
+        _YARDSTICKS, 1_024, 6_000, AvoidJack(close_factor=1.0), OnAxle(simultaneous=True)
+    ),
+}
+
+
+def rate(name: str, threads: int, share: float) -> float:
+    """Return HAV-steps/s of a share of a workload; HAVs that wait do not count.
+
+    A rollout counts from placing the HAVs to its table. Without a policy, a batch is stepped.
+    """
+    if name == NO_POLICY:
+        return _step_rate(threads, round(100 * share))
+    workload = WORKLOADS[name]
+    episodes = np.arange(max(1, round(share * workload.num_episodes)))
+    start = time.perf_counter()
+    table = rollout(
+        workload.policy,
+        workload.scenario,
+        0,
+        episodes,
+        Task(max_steps=workload.max_steps),
+        workload.vehicle,
+        threads,
+    )
+    return pc.sum(table["moving_steps"]).as_py() / (time.perf_counter() - start)
+
+
+def _step_rate(threads: int, num_steps: int, num_worlds: int = 8_200) -> float:
+    batch = Batch(RandomPoses(), num_worlds, threads=threads)
+    batch.reset(0)
+    speed, steering = np.ones((1, num_worlds)), np.full((1, num_worlds), 0.02)
+    batch.step(speed, steering)
+    start = time.perf_counter()
+    for _ in range(num_steps):
+        batch.step(speed, steering)
+    return num_worlds * num_steps / (time.perf_counter() - start)
+
+
+class Version:
+    """A process that runs workloads with the code in a folder."""
+
+    def __init__(self, folder: str) -> None:
+        """Start it."""
+        path = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
+        self._process = subprocess.Popen(
+            [sys.executable, __file__],
+            env=os.environ | {"PYTHONPATH": path},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+
+    def rate(self, name: str, threads: int, share: float) -> float:
+        """Return ``rate`` as measured there."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(json.dumps([name, threads, share]) + "\n")
+        self._process.stdin.flush()
+        return float(self._process.stdout.readline())
+
+    def close(self) -> None:
+        """End it."""
+        self._process.communicate()
+
+
+if __name__ == "__main__":
+    for line in sys.stdin:
+        print(rate(*json.loads(line)), flush=True)

@@ -1,0 +1,184 @@
+"""The limit of the hardware: the closed loop of one HAV in C++ on one thread, ``limit.cpp``.
+
+``python -m benchmarks.limit`` builds it, checks it and prints how fast it runs. It is a yardstick
+for the compiled simulator: how much a program that simulates this problem alone could still gain.
+"""
+
+import json
+import math
+import os
+import pathlib
+import platform
+import shutil
+import statistics
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from baselines.avoid_jack import AvoidJack
+from baselines.policy import allocate_memory, decide
+from benchmarks.five_trailers import (
+    GOALS,
+    LENGTHS,
+    POLICY,
+    START,
+    STEERING_MAX,
+    VEHICLE,
+    Outcome,
+)
+from benchmarks.plain_python import drive_plain_python
+from hav_env import Batch, OnAxle, explicit
+
+_SOURCE = pathlib.Path(__file__).with_name("limit.cpp")
+# Fast mathematics is fair here: it contracts and reorders, and ``check`` holds the results.
+_FLAGS = ["-std=c++17", "-O3", "-march=native", "-ffast-math", "-Wno-psabi"]
+_WIDE = ["-mprefer-vector-width=512"]  # compilers prefer 256 bits where there are 512
+_BLOCKS = 64  # of 128 worlds each: the paper's mix by its quantiles
+_STEPS = {"closed loop": 500, "kinematics alone": 2_000}
+
+
+class Rules(NamedTuple):
+    """By which rules the HAV drives: what differs between the yardsticks and the defaults."""
+
+    steering_max: float = math.radians(40.0)
+    close_factor: float = AvoidJack().close_factor
+    simultaneous: bool = OnAxle().simultaneous
+
+
+def find_compiler() -> str | None:
+    """Return the C++ compiler: $CXX, else the first one that is there, else None."""
+    for name in (os.environ.get("CXX"), "g++", "clang++", "c++"):
+        if name and shutil.which(name):
+            return name
+    return None
+
+
+def build(folder: str) -> str | None:
+    """Build the program in a folder and return its path; None without a compiler."""
+    compiler = find_compiler()
+    if compiler is None:
+        return None
+    program = str(pathlib.Path(folder, "limit"))
+    wide = _WIDE if platform.machine().lower() in ("x86_64", "amd64") else []
+    subprocess.run([compiler, *_FLAGS, *wide, "-o", program, str(_SOURCE)], check=True)
+    return program
+
+
+def drive_limit(program: str, num_steps: int, rules: Rules) -> Outcome:
+    """Drive the HAV with five trailers for so many steps, at most to the last goal."""
+    numbers: list[Sequence[float]] = [
+        (num_steps, *rules),
+        (len(LENGTHS), *LENGTHS),
+        START,
+        (len(GOALS), *(number for goal in GOALS for number in goal)),
+    ]
+    text = " ".join(repr(float(number)) for row in numbers for number in row)
+    return Outcome(**json.loads(_run(program, "drive", text=text)))
+
+
+def drive_defaults(num_steps: int) -> Outcome:
+    """Drive the same HAV by hav_env and the default rules; events are not reported (-1)."""
+    scenario = explicit([LENGTHS], [START], [GOALS], steering_max=Rules().steering_max)
+    policy, batch = AvoidJack(), Batch(scenario)
+    batch.reset(seed=0)
+    memory = allocate_memory(policy, 1, 1)
+    for _ in range(num_steps):
+        batch.step(*decide(policy, memory, batch))
+    state = batch.worlds.state
+    headings = state.heading[0, :, 0].tolist()
+    return Outcome(float(state.x[0, 0]), float(state.y[0, 0]), headings, -1, -1)
+
+
+def check(program: str, num_steps: int = 1_200, tolerance: float = 1e-9) -> None:
+    """Check that the program does what the plain Python yardstick and hav_env's defaults do.
+
+    Args:
+        program: from ``build``.
+        num_steps: to drive; the default passes the first goal.
+        tolerance: for positions [m] and headings [rad], which differ by rounding.
+
+    Raises:
+        AssertionError: telling how far the program is off.
+    """
+    pinned = Rules(STEERING_MAX, POLICY.close_factor, VEHICLE.simultaneous)
+    plain = drive_plain_python(num_steps)
+    own = drive_limit(program, num_steps, pinned)
+    if not _distance(own, plain) <= tolerance or own[3:] != plain[3:]:
+        raise AssertionError(f"limit.cpp ends at {own} instead of {plain}")
+    own, compiled = drive_limit(program, num_steps, Rules()), drive_defaults(num_steps)
+    if not _distance(own, compiled) <= tolerance:
+        raise AssertionError(f"limit.cpp ends at {own} instead of {compiled}")
+
+
+def limit_rates(trailers: int | None = None, repetitions: int = 3) -> dict[str, float] | None:
+    """Return HAV-steps/s of the closed loop and of the kinematics alone, medians.
+
+    Args:
+        trailers: of every HAV, 1 to 10; None for the paper's mix.
+        repetitions: of both measurements, which take turns.
+
+    Returns:
+        None when there is no C++ compiler.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        program = build(folder)
+        return None if program is None else measure(program, trailers, repetitions)
+
+
+def measure(program: str, trailers: int | None, repetitions: int) -> dict[str, float]:
+    """Return the rates of a program that is built; arguments as in ``limit_rates``."""
+    samples: dict[str, list[float]] = {name: [] for name in _STEPS}
+    for _ in range(repetitions):
+        for alone, (name, steps) in enumerate(_STEPS.items()):
+            sizes = (trailers or 0, _BLOCKS, steps, alone)
+            line = _run(program, "measure", *(str(size) for size in sizes))
+            samples[name].append(json.loads(line)["rate"])
+    return {name: statistics.median(sample) for name, sample in samples.items()}
+
+
+def _run(program: str, *arguments: str, text: str = "") -> str:
+    done = subprocess.run(
+        [program, *arguments], input=text, check=True, capture_output=True, text=True
+    )
+    return done.stdout
+
+
+def _distance(one: Outcome, other: Outcome) -> float:
+    """Return the largest difference in position [m] or heading [rad], whole turns aside."""
+    turns = [
+        math.remainder(a - b, math.tau) for a, b in zip(one.headings, other.headings, strict=True)
+    ]
+    return max(abs(each) for each in (one.x - other.x, one.y - other.y, *turns))
+
+
+def main(repetitions: int = 3) -> None:
+    """Measure the limit of the hardware.
+
+    Args:
+        repetitions: of every measurement; the table shows medians.
+    """
+    console = Console(width=100)
+    table = Table(title="limit of the hardware, C++ on one thread, HAV-steps/s")
+    table.add_column("what")
+    for name in _STEPS:
+        table.add_column(name, justify="right")
+    with tempfile.TemporaryDirectory() as folder:
+        program = build(folder)
+        if program is None:
+            console.print("There is no C++ compiler: neither $CXX nor g++, clang++ or c++.")
+            return
+        check(program)
+        for trailers in (None, 1, 5, 10):
+            rates = measure(program, trailers, repetitions)
+            what = "single HAV (paper)" if trailers is None else f"trailers: {trailers}"
+            table.add_row(what, *(f"{rate:,.0f}" for rate in rates.values()))
+    console.print(table)
+
+
+if __name__ == "__main__":
+    tyro.cli(main)

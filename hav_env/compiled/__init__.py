@@ -1,0 +1,35 @@
+"""How the project compiles: the only room that imports Numba.
+
+Three tiers. A ``kernel`` is compiled into its callers: scalar (floats in, floats out) or a loop
+over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of a model. An
+``entry`` is what Python calls: it alone is cached on disk, its worlds are spread over threads.
+"""
+
+from hav_env.compiled.entries import (
+    VECTOR,
+    canonical,
+    default_threads,
+    entry,
+    run_on_threads,
+)
+from hav_env.compiled.instructions import bits_of, fixed, float_of, fma, lanes_from
+from hav_env.compiled.kernels import generic, kernel, rare_kernel
+from hav_env.compiled.sources import source_digest, source_of
+
+__all__ = [
+    "VECTOR",
+    "bits_of",
+    "canonical",
+    "default_threads",
+    "entry",
+    "fixed",
+    "float_of",
+    "fma",
+    "generic",
+    "kernel",
+    "lanes_from",
+    "rare_kernel",
+    "run_on_threads",
+    "source_digest",
+    "source_of",
+]

@@ -1,0 +1,140 @@
+"""Entries: the loops that Python calls, kept on disk and spread over threads."""
+
+import concurrent.futures
+import functools
+import logging
+import os
+import pathlib
+import tempfile
+import threading
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numba
+
+from hav_env.compiled.kernels import ENTERED
+from hav_env.compiled.sources import note_sources, source_digest, sources
+
+_log = logging.getLogger(__name__)
+VECTOR = 16  # lanes to work on whole vectors: worlds are shared out in such portions
+_SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
+
+
+def entry(function: Callable) -> Callable:
+    """Make ``loop(first, last, *args)`` over worlds callable as ``loop(count, *args)``.
+
+    The loop is compiled at its first call, once models are registered, and kept on disk under the
+    digest of all sources, for Numba itself does not see edits in other files. The worlds are shared
+    out evenly among ``threads`` (default: ``default_threads()``). The threads are Python's and the
+    loop is serial and free of the GIL: Numba's ``prange`` loses writes to fields of tuples
+    (numba#7135) and does not survive a fork.
+    """
+    note_sources(function)
+    compiled: dict[frozenset, Callable] = {}
+
+    @functools.wraps(function)
+    def call(count: int, *args: Any, threads: int | None = None) -> None:
+        known = frozenset(sources)
+        if known not in compiled:
+            compiled[known] = _cached(function, known)
+        loop = compiled[known]
+        _ensure_compiled(loop, function.__name__, args)
+        threads = threads or default_threads()
+        share = -(-count // (threads * VECTOR)) * VECTOR
+        if count <= share:
+            loop(0, count, *args)
+            return
+        spans = [(first, min(first + share, count)) for first in range(0, count, share)]
+        run_on_threads(lambda span: loop(*span, *args), spans, threads)
+
+    return call
+
+
+def run_on_threads(function: Callable, items: Iterable, threads: int | None = None) -> list:
+    """Return ``[function(item) for item in items]``, computed on threads as they become free.
+
+    Worth it when the function spends its time in entries, which it must call with ``threads=1``.
+    Two threads that write into neighbouring elements of an array wait for each other, so each item
+    should have arrays of its own.
+    """
+    threads = threads or default_threads()
+    if threads == 1:
+        return [function(item) for item in items]
+    jobs = [_pool(os.getpid(), threads).submit(function, item) for item in items]
+    try:
+        return [job.result() for job in jobs]
+    finally:
+        for job in jobs:  # after an interrupt: do not start what has not begun, ...
+            job.cancel()
+        concurrent.futures.wait(jobs)  # ... nor leave the arrays to loops that still write
+
+
+def canonical(model: Any) -> Any:
+    """Return a model whose ``float`` fields are floats: an int is another type, compiled anew."""
+    kinds = type(model).__annotations__
+    whole = {f: float(v) for f, v in model._asdict().items() if kinds[f] is float}
+    return model._replace(**whole)
+
+
+def default_threads() -> int:
+    """Return how many threads an entry uses: ``HAV_THREADS``, or the cores this process may use.
+
+    Raises:
+        ValueError: when ``HAV_THREADS`` is not a whole number of at least 1.
+    """
+    wish = os.environ.get("HAV_THREADS")
+    if not wish:
+        return (
+            len(os.sched_getaffinity(0))
+            if hasattr(os, "sched_getaffinity")
+            else os.cpu_count() or 1
+        )
+    if not wish.isdigit() or int(wish) < 1:
+        raise ValueError(f"HAV_THREADS is {wish!r}, but must be a whole number of at least 1")
+    return int(wish)
+
+
+def _cached(function: Callable, known: frozenset) -> Callable:
+    previous = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(_writable_home() / source_digest(known))
+    try:
+        return numba.njit(**ENTERED)(function)
+    finally:
+        numba.config.CACHE_DIR = previous
+
+
+def _writable_home() -> pathlib.Path:
+    home = pathlib.Path(os.environ.get("NUMBA_CACHE_DIR") or "~/.cache/hav_env").expanduser()
+    try:
+        home.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=home):
+            return home
+    except OSError:
+        return pathlib.Path(tempfile.gettempdir()) / f"hav_env-{os.getuid()}"
+
+
+_ready: set[tuple] = set()
+_compiling = threading.Lock()
+
+
+def _ensure_compiled(loop: Any, name: str, args: tuple) -> None:
+    """Compile (or load) the loop for these arguments first, and say so when it takes a while."""
+    kinds = (id(loop), *map(type, args))
+    if kinds in _ready or not hasattr(loop, "compile"):
+        return
+    message = f"hav_env compiles {name} (once for this version on this machine) ..."
+    with _compiling:
+        notice = threading.Timer(_SILENT_SECONDS, _log.warning, (message,))
+        notice.daemon = True
+        notice.start()
+        try:
+            loop.compile((numba.int64, numba.int64, *map(numba.typeof, args)))
+        finally:
+            notice.cancel()
+        _ready.add(kinds)
+
+
+@functools.cache
+def _pool(process: int, threads: int) -> concurrent.futures.ThreadPoolExecutor:
+    """One pool per process, so that a forked child does not wait for its parent's threads."""
+    return concurrent.futures.ThreadPoolExecutor(threads, thread_name_prefix="hav_env")

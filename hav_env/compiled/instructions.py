@@ -1,0 +1,92 @@
+"""What LLVM can do and Python cannot say, with the same bits in plain Python."""
+
+import ctypes
+import math
+import os
+import struct
+from collections.abc import Callable
+
+import numba
+from llvmlite import ir
+from numba.core import cgutils
+from numba.extending import lower_builtin, type_callable
+
+
+def _find_fma() -> Callable:
+    if hasattr(math, "fma"):  # from Python 3.13 on
+        return math.fma
+    function = ctypes.CDLL("ucrtbase" if os.name == "nt" else None).fma
+    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * 3
+    return function
+
+
+_fma = _find_fma()
+
+
+def fma(x, y, z):
+    """Return x * y + z, rounded once: one instruction, the same on all machines."""
+    return _fma(x, y, z)
+
+
+def bits_of(value):
+    """Return the 64 bits of a float as a signed whole number."""
+    return struct.unpack("<q", struct.pack("<d", value))[0]
+
+
+def float_of(bits):
+    """Return the float that has these 64 bits."""
+    return struct.unpack("<d", struct.pack("<Q", bits & 0xFFFFFFFFFFFFFFFF))[0]
+
+
+def lanes_from(array, first):
+    """Return ``array[..., first:]``, whose last axis compiled code knows to be contiguous.
+
+    Compiled, only the address moves on: the shape stays, and the lanes that it has too many must
+    not be touched.
+    """
+    return array[..., first:]
+
+
+def fixed(row):
+    """Return the row of an array that the lane loops inside are to work on.
+
+    Compiled, they take it as given. Otherwise LLVM tests once for all rounds of the loop outside
+    whether what is written overlaps what is read; the rows of one array together do, and it would
+    work on one lane at a time.
+    """
+    return row
+
+
+type_callable(fma)(lambda context: lambda x, y, z: numba.float64)
+type_callable(bits_of)(lambda context: lambda value: numba.int64)
+type_callable(float_of)(lambda context: lambda bits: numba.float64)
+type_callable(lanes_from)(lambda context: lambda array, first: array)
+type_callable(fixed)(lambda context: lambda row: numba.int64)
+
+
+@lower_builtin(fma, numba.types.Float, numba.types.Float, numba.types.Float)
+def _lower_fma(context, builder, signature, arguments):
+    return builder.fma(*arguments)
+
+
+@lower_builtin(bits_of, numba.types.Float)
+def _lower_bits_of(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], ir.IntType(64))
+
+
+@lower_builtin(float_of, numba.types.Integer)
+def _lower_float_of(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], ir.DoubleType())
+
+
+@lower_builtin(lanes_from, numba.types.Array, numba.types.Integer)
+def _lower_lanes_from(context, builder, signature, arguments):
+    view = cgutils.create_struct_proxy(signature.args[0])(context, builder, arguments[0])
+    view.data = builder.gep(view.data, [arguments[1]])
+    return view._getvalue()
+
+
+@lower_builtin(fixed, numba.types.Integer)
+def _lower_fixed(context, builder, signature, arguments):
+    word = ir.IntType(64)
+    return builder.asm(ir.FunctionType(word, [word]), "", "=r,0", arguments, side_effect=False)

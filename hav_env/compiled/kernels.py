@@ -1,0 +1,80 @@
+"""Kernels: functions that are compiled into the entries that call them."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+from numba.extending import overload
+
+from hav_env.compiled.parts import Part, Whole, compiler_into
+from hav_env.compiled.sources import note_sources
+
+# Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
+# most of the time.
+_OPTIONS = {"error_model": "numpy", "nogil": True, "_nrt": False}
+ENTERED = _OPTIONS | {"pipeline_class": compiler_into(Whole), "cache": True}
+_CALLED = _OPTIONS | {
+    "pipeline_class": compiler_into(Part),
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+_INLINED = _CALLED | {"forceinline": True}
+
+
+def kernel(function: Callable) -> Callable:
+    """Let a function be compiled into the kernels and entries that call it.
+
+    It stays what it is when Python calls it. Loops over lanes run several worlds at once only if
+    all that they call is inlined and free of branches. The inlining is LLVM's: Numba's own
+    (``inline="always"``) compiles ten times as long and miscompiles returns out of loops.
+    """
+    note_sources(function)
+    overload(function, strict=False, jit_options=_INLINED)(lambda *args: function)
+    return function
+
+
+def rare_kernel(function: Callable) -> Callable:
+    """Let a function be compiled, but called: what seldom happens need not be repeated."""
+    note_sources(function)
+    overload(function, strict=False, jit_options=_CALLED)(lambda *args: function)
+    return function
+
+
+def generic(stub: Callable) -> Any:
+    """``functools.singledispatch`` for kernels: the type of the first argument picks the code.
+
+    Register a kernel with ``@stub.register(ModelClass)``; ``stub.table`` maps classes to kernels.
+    ``@stub.otherwise`` is for all other classes. The choice is made when a caller is compiled, so
+    it costs nothing when it runs.
+    """
+    table: dict[type, Callable] = {}
+    others: list[Callable] = []
+
+    def find(model_class: Any) -> Any:
+        return table.get(model_class) or (others[-1] if others else None)
+
+    def dispatch(model, *args):
+        return find(type(model))(model, *args)
+
+    def choose(model, *args):
+        return find(getattr(model, "instance_class", object))
+
+    def register(model_class: type) -> Callable:
+        def decorate(function: Callable) -> Callable:
+            note_sources(function)
+            table[model_class] = function
+            return function
+
+        return decorate
+
+    def otherwise(function: Callable) -> Callable:
+        note_sources(function)
+        others.append(function)
+        return function
+
+    functools.update_wrapper(dispatch, stub)
+    del dispatch.__wrapped__  # type: ignore[attr-defined]  # Numba would read the stub's signature
+    dispatch.register, dispatch.table = register, table  # type: ignore[attr-defined]
+    dispatch.otherwise = otherwise  # type: ignore[attr-defined]
+    overload(dispatch, strict=False, jit_options=_INLINED)(choose)
+    return dispatch
