@@ -24,7 +24,6 @@ from hav_env.vehicles import OnAxle
 from hav_env.world import allocate_worlds
 
 _SHARES = 4  # of each thread
-_FEWEST = 64  # episodes that are worth a share
 
 
 @entry
@@ -142,7 +141,8 @@ def rollout(
 
 def _shares(order: np.ndarray, threads: int) -> list[np.ndarray]:
     """Divide episodes among threads, in shares small enough that none waits long for another."""
-    size = max(_FEWEST, -(-len(order) // (_SHARES * threads)))
+    shares = _SHARES * threads if threads > 1 else 1
+    size = max(VECTOR, -(-len(order) // shares))
     return [order[first : first + size] for first in range(0, len(order), size)]
 
 
