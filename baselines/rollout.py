@@ -21,7 +21,7 @@ from hav_env.compiled import (
 from hav_env.lanes import block_of, exchange_lanes, exchange_worlds
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
-from hav_env.world import allocate_worlds
+from hav_env.world import FEW, allocate_worlds
 
 _SHARES = 4  # of each thread
 
@@ -65,7 +65,8 @@ def rollout_worlds(
                 waiting += 1
             else:
                 active -= 1
-                _exchange(stage, places, memory, lane, active)
+                if lane < active:
+                    _exchange(stage, places, memory, lane, active)
         _arrange(stage, places, memory, active)
 
 
@@ -78,8 +79,11 @@ def _exchange(stage, places, memory, lane, other):
 
 @rare_kernel
 def _arrange(stage, places, memory, active):
-    """Sort lanes by who waits in them, so that loops may pass over lanes in which a HAV waits."""
-    if stage.state.x.shape[0] == 1:
+    """Sort lanes by who waits in them, so that loops may pass over lanes in which a HAV waits.
+
+    In large swarms somebody else waits in every lane, and sorting costs more than it gives.
+    """
+    if not 1 < stage.state.x.shape[0] <= FEW:
         return
     for lane in range(active):
         chosen = lane

@@ -111,7 +111,7 @@ class World(NamedTuple):
 def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: int) -> World:
     """Return the arrays of a batch; a scenario fills them.
 
-    Until then they hold HAVs of one metre that stand, which can be stepped along.
+    Until then they hold HAVs that wait far from each other, which costs little to step along.
     """
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
     buckets = 1 << (2 * n - 1).bit_length()  # a power of two, at least twice the HAVs
@@ -123,10 +123,11 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
     def whole(*shape: int) -> np.ndarray:
         return np.zeros((*shape, w), np.int64)
 
-    waiting = np.zeros((n, w), np.bool_)
+    far_apart = real(n) + 1e6 * np.arange(n)[:, None]  # [m]
+    waiting = np.ones((n, w), np.bool_)
     return World(
         State(
-            *(real(n), real(n), real(n, u), real(n, u), real(n, u), real(n), real(n)),
+            *(far_apart, real(n), real(n, u), real(n, u), real(n, u), real(n), real(n)),
             *(real(3), real(n, 6), waiting, whole(4)),
         ),
         Fleet(whole(n), *(real(n, size) + 1.0 for size in (u, 2, 5))),
