@@ -2,11 +2,12 @@
 
 ``python benchmarks/closed_loop.py`` reads JSON lists of name, threads and share, one on a line, and
 answers each with HAV-steps/s. It uses what every version of hav_env has, so it measures an earlier
-one as well, when that one comes first on the path.
+one as well, when the folder with that one comes first on the path.
 """
 
 import json
 import os
+import pathlib
 import subprocess
 import sys
 import time
@@ -18,14 +19,12 @@ import pyarrow.compute as pc
 from baselines.avoid_jack import AvoidJack
 from baselines.pursuit import DubinsPursuit
 from baselines.rollout import rollout
-from hav_env import Batch, OnAxle, RandomPoses, Task, explicit
+from benchmarks.five_trailers import POLICY, SCENARIO, VEHICLE
+from hav_env import Batch, OnAxle, RandomPoses, Task
 
 FIVE_TRAILERS = "the yardsticks' HAV"
 NO_POLICY = "single HAV, no policy"
-_LENGTHS = (4.0, 6.0, 8.0, 5.0, 7.0, 6.0)  # as in five_trailers.py, which is not in all versions
-_GOALS = ((100.0, 20.0, 1.0), (60.0, 90.0, 3.0), (10.0, 40.0, -1.5), (90.0, 10.0, 0.5))
-_GOALS += ((20.0, 80.0, 2.0), (70.0, 50.0, -2.5))
-_YARDSTICKS = explicit([_LENGTHS], [(0.0, 0.0, 0.0)], [_GOALS], steering_max=np.radians(50.0))
+_ROOT = pathlib.Path(__file__).parents[1]
 
 
 class Workload(NamedTuple):
@@ -52,9 +51,7 @@ WORKLOADS = {
     "single HAV, 5 trailers": Workload(_trailers(5), 2_250),
     "single HAV, 10 trailers": Workload(_trailers(10), 2_250),
     "single HAV, Dubins pursuit": Workload(RandomPoses(), 2_250, policy=DubinsPursuit()),
-    FIVE_TRAILERS: Workload(
-        _YARDSTICKS, 1_024, 6_000, AvoidJack(close_factor=1.0), OnAxle(simultaneous=True)
-    ),
+    FIVE_TRAILERS: Workload(SCENARIO, 1_024, 6_000, POLICY, VEHICLE),
 }
 
 
@@ -96,7 +93,7 @@ class Version:
 
     def __init__(self, folder: str) -> None:
         """Start it."""
-        path = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
+        path = os.pathsep.join([folder, str(_ROOT), os.environ.get("PYTHONPATH", "")])
         self._process = subprocess.Popen(
             [sys.executable, __file__],
             env=os.environ | {"PYTHONPATH": path},

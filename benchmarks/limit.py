@@ -4,13 +4,13 @@
 for the compiled simulator: how much a program that simulates this problem alone could still gain.
 """
 
+import functools
 import json
 import math
 import os
 import pathlib
 import platform
 import shutil
-import statistics
 import subprocess
 import tempfile
 from collections.abc import Sequence
@@ -21,7 +21,6 @@ from rich.console import Console
 from rich.table import Table
 
 from baselines.avoid_jack import AvoidJack
-from baselines.policy import allocate_memory, decide
 from benchmarks.five_trailers import (
     GOALS,
     LENGTHS,
@@ -32,7 +31,9 @@ from benchmarks.five_trailers import (
     Outcome,
 )
 from benchmarks.plain_python import drive_plain_python
-from hav_env import Batch, OnAxle, explicit
+from benchmarks.turns import medians_in_turns
+from benchmarks.yardsticks import drive_compiled
+from hav_env import OnAxle, explicit
 
 _SOURCE = pathlib.Path(__file__).with_name("limit.cpp")
 # Fast mathematics is fair here: it contracts and reorders, and ``check`` holds the results.
@@ -40,6 +41,7 @@ _FLAGS = ["-std=c++17", "-O3", "-march=native", "-ffast-math", "-Wno-psabi"]
 _WIDE = ["-mprefer-vector-width=512"]  # compilers prefer 256 bits where there are 512
 _BLOCKS = 64  # of 128 worlds each: the paper's mix by its quantiles
 _STEPS = {"closed loop": 500, "kinematics alone": 2_000}
+WHAT = tuple(_STEPS)
 
 
 class Rules(NamedTuple):
@@ -81,19 +83,6 @@ def drive_limit(program: str, num_steps: int, rules: Rules) -> Outcome:
     return Outcome(**json.loads(_run(program, "drive", text=text)))
 
 
-def drive_defaults(num_steps: int) -> Outcome:
-    """Drive the same HAV by hav_env and the default rules; events are not reported (-1)."""
-    scenario = explicit([LENGTHS], [START], [GOALS], steering_max=Rules().steering_max)
-    policy, batch = AvoidJack(), Batch(scenario)
-    batch.reset(seed=0)
-    memory = allocate_memory(policy, 1, 1)
-    for _ in range(num_steps):
-        batch.step(*decide(policy, memory, batch))
-    state = batch.worlds.state
-    headings = state.heading[0, :, 0].tolist()
-    return Outcome(float(state.x[0, 0]), float(state.y[0, 0]), headings, -1, -1)
-
-
 def check(program: str, num_steps: int = 1_200, tolerance: float = 1e-9) -> None:
     """Check that the program does what the plain Python yardstick and hav_env's defaults do.
 
@@ -110,35 +99,23 @@ def check(program: str, num_steps: int = 1_200, tolerance: float = 1e-9) -> None
     own = drive_limit(program, num_steps, pinned)
     if not _distance(own, plain) <= tolerance or own[3:] != plain[3:]:
         raise AssertionError(f"limit.cpp ends at {own} instead of {plain}")
-    own, compiled = drive_limit(program, num_steps, Rules()), drive_defaults(num_steps)
+    scenario = explicit([LENGTHS], [START], [GOALS], steering_max=Rules().steering_max)
+    own = drive_limit(program, num_steps, Rules())
+    compiled = drive_compiled(num_steps, AvoidJack(), scenario, OnAxle())
     if not _distance(own, compiled) <= tolerance:
         raise AssertionError(f"limit.cpp ends at {own} instead of {compiled}")
 
 
-def limit_rates(trailers: int | None = None, repetitions: int = 3) -> dict[str, float] | None:
-    """Return HAV-steps/s of the closed loop and of the kinematics alone, medians.
+def rate(program: str, what: str, trailers: int | None) -> float:
+    """Return HAV-steps/s.
 
     Args:
+        program: from ``build``.
+        what: one of ``WHAT``.
         trailers: of every HAV, 1 to 10; None for the paper's mix.
-        repetitions: of both measurements, which take turns.
-
-    Returns:
-        None when there is no C++ compiler.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        program = build(folder)
-        return None if program is None else measure(program, trailers, repetitions)
-
-
-def measure(program: str, trailers: int | None, repetitions: int) -> dict[str, float]:
-    """Return the rates of a program that is built; arguments as in ``limit_rates``."""
-    samples: dict[str, list[float]] = {name: [] for name in _STEPS}
-    for _ in range(repetitions):
-        for alone, (name, steps) in enumerate(_STEPS.items()):
-            sizes = (trailers or 0, _BLOCKS, steps, alone)
-            line = _run(program, "measure", *(str(size) for size in sizes))
-            samples[name].append(json.loads(line)["rate"])
-    return {name: statistics.median(sample) for name, sample in samples.items()}
+    sizes = trailers or 0, _BLOCKS, _STEPS[what], WHAT.index(what)
+    return json.loads(_run(program, "measure", *(str(size) for size in sizes)))["rate"]
 
 
 def _run(program: str, *arguments: str, text: str = "") -> str:
@@ -165,7 +142,7 @@ def main(repetitions: int = 3) -> None:
     console = Console(width=100)
     table = Table(title="limit of the hardware, C++ on one thread, HAV-steps/s")
     table.add_column("what")
-    for name in _STEPS:
+    for name in WHAT:
         table.add_column(name, justify="right")
     with tempfile.TemporaryDirectory() as folder:
         program = build(folder)
@@ -174,9 +151,10 @@ def main(repetitions: int = 3) -> None:
             return
         check(program)
         for trailers in (None, 1, 5, 10):
-            rates = measure(program, trailers, repetitions)
-            what = "single HAV (paper)" if trailers is None else f"trailers: {trailers}"
-            table.add_row(what, *(f"{rate:,.0f}" for rate in rates.values()))
+            runs = {what: functools.partial(rate, program, what, trailers) for what in WHAT}
+            rates = medians_in_turns(runs, repetitions)
+            name = "single HAV (paper)" if trailers is None else f"trailers: {trailers}"
+            table.add_row(name, *(f"{value:,.0f}" for value in rates.values()))
     console.print(table)
 
 

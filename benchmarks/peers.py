@@ -6,9 +6,9 @@ out. (mpe2 before 1.1 wants ``pygame``, which cannot live beside ``pygame-ce``.)
 from this project's and from each other, so the figures tell orders of magnitude and no more.
 """
 
+import functools
 import importlib.util
 import itertools
-import statistics
 import time
 from collections.abc import Callable
 from typing import Any
@@ -16,6 +16,8 @@ from typing import Any
 import tyro
 from rich.console import Console
 from rich.table import Table
+
+from benchmarks.turns import medians_in_turns
 
 PACKAGES = ("mpe2", "vmas")
 _AGENTS = 2
@@ -107,12 +109,8 @@ def peer_rates(repetitions: int = 3, seconds: float = 1.0) -> dict[str, float]:
         repetitions: of every measurement.
         seconds: that one measurement takes.
     """
-    runs = _prepare()
-    samples: dict[str, list[float]] = {name: [] for name in runs}
-    for _ in range(repetitions):
-        for name, run in runs.items():
-            samples[name].append(run(seconds))
-    return {name: statistics.median(sample) for name, sample in samples.items()}
+    runs = {name: functools.partial(run, seconds) for name, run in _prepare().items()}
+    return medians_in_turns(runs, repetitions)
 
 
 def main(repetitions: int = 3, seconds: float = 1.0) -> None:

@@ -4,10 +4,10 @@
 """
 
 import contextlib
+import functools
 import io
 import json
 import pathlib
-import statistics
 import subprocess
 import tarfile
 import tempfile
@@ -23,6 +23,7 @@ from benchmarks import fresh_process, limit
 from benchmarks.closed_loop import FIVE_TRAILERS, NO_POLICY, WORKLOADS, Version
 from benchmarks.kinematics import kinematics_rate
 from benchmarks.peers import missing_packages, peer_rates
+from benchmarks.turns import medians_in_turns
 from benchmarks.yardsticks import check, drive_plain_python, drive_small_arrays
 
 SCALAR = "8a46ef1"  # the last revision that worked on one HAV at a time
@@ -64,21 +65,12 @@ def scalar_version() -> Iterator[Version | None]:
             version.close()
 
 
-def measure_in_turns(
-    runs: dict[tuple[str, str], Callable[[], float]], repetitions: int
-) -> dict[str, dict[str, float]]:
-    """Measure all (row, column) in turn, again and again, and return the medians by row.
-
-    Machines are shared: what is compared is measured close together in time.
-    """
-    samples: dict[tuple[str, str], list[float]] = {key: [] for key in runs}
-    for _ in range(repetitions):
-        for key, run in runs.items():
-            samples[key].append(run())
-    medians: dict[str, dict[str, float]] = {}
-    for (row, column), sample in samples.items():
-        medians.setdefault(row, {})[column] = statistics.median(sample)
-    return medians
+def by_row(rates: dict[tuple[str, str], float]) -> dict[str, dict[str, float]]:
+    """Turn (row, column) -> rate into row -> column -> rate."""
+    rows: dict[str, dict[str, float]] = {}
+    for (row, column), rate in rates.items():
+        rows.setdefault(row, {})[column] = rate
+    return rows
 
 
 def measure_closed_loop(repetitions: int, share: float) -> dict[str, dict[str, float]]:
@@ -96,7 +88,7 @@ def measure_closed_loop(repetitions: int, share: float) -> dict[str, dict[str, f
                 runs[name, "scalar"] = lambda n=name, s=less: scalar.rate(n, 1, s)
         for name, drive in ((PLAIN, drive_plain_python), (ARRAYS, drive_small_arrays)):
             runs[name, "1 thread"] = lambda d=drive: _yardstick_rate(d)
-        rates = measure_in_turns(runs, repetitions)
+        rates = by_row(medians_in_turns(runs, repetitions))
     now.close()
     return rates
 
@@ -122,11 +114,11 @@ def measure_limits(repetitions: int, share: float) -> dict[str, dict[str, float]
             runs[row, "closed loop"] = lambda n=name: now.rate(n, 1, share)
             runs[row, "kinematics"] = lambda t=trailers: kinematics_rate(t)
             if program:
-                for column in ("closed loop", "kinematics alone"):
-                    runs[row, f"C++ {column}"] = lambda c=column, t=trailers: limit.measure(
-                        program, t, 1
-                    )[c]
-        rates = measure_in_turns(runs, repetitions)
+                for what in limit.WHAT:
+                    runs[row, f"C++ {what}"] = functools.partial(
+                        limit.rate, program, what, trailers
+                    )
+        rates = by_row(medians_in_turns(runs, repetitions))
     now.close()
     return rates
 

@@ -16,13 +16,13 @@ from hav_env.world import JACKKNIFE, PHASE, WHEN
 __all__ = ["check", "drive_compiled", "drive_plain_python", "drive_small_arrays"]
 
 
-def drive_compiled(num_steps: int) -> Outcome:
+def drive_compiled(num_steps: int, policy=POLICY, scenario=SCENARIO, vehicle=VEHICLE) -> Outcome:
     """Drive by hav_env, step by step from Python; needs more than the goals take."""
-    batch = Batch(SCENARIO, task=TASK, vehicle=VEHICLE)
+    batch = Batch(scenario, task=TASK, vehicle=vehicle)
     batch.reset(seed=0)
-    memory = allocate_memory(POLICY, 1, 1)
+    memory = allocate_memory(policy, 1, 1)
     for _ in range(num_steps):
-        batch.step(*decide(POLICY, memory, batch))
+        batch.step(*decide(policy, memory, batch))
     state, first = batch.worlds.state, batch.worlds.record.first
     return Outcome(
         float(state.x[0, 0]),

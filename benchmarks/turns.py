@@ -1,0 +1,16 @@
+"""Measuring in turns: machines are shared, so what is compared is measured close in time."""
+
+import statistics
+from collections.abc import Callable, Mapping
+from typing import TypeVar
+
+Key = TypeVar("Key")
+
+
+def medians_in_turns(runs: Mapping[Key, Callable[[], float]], repetitions: int) -> dict[Key, float]:
+    """Do all runs in turn, so many times over, and return the median of what each one returned."""
+    samples: dict[Key, list[float]] = {key: [] for key in runs}
+    for _ in range(repetitions):
+        for key, run in runs.items():
+            samples[key].append(run())
+    return {key: statistics.median(sample) for key, sample in samples.items()}
