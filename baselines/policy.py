@@ -48,7 +48,7 @@ def act_one_by_one(policy, memory, world, agent, speed, steering):
 
 @kernel
 def act_all(policy, memory, world, speed, steering):
-    """Let every HAV of a block of worlds decide, (N, W) each: zero for one that waits."""
+    """Let every HAV of a block of worlds decide, (N, W) each; for one that waits it is void."""
     for hav in range(speed.shape[0]):
         agent = fixed(hav)
         moving = moving_block(world, agent)
@@ -61,10 +61,6 @@ def act_all(policy, memory, world, speed, steering):
             lanes_from(speed, first),
             lanes_from(steering, first),
         )
-        for lane in range(world.lanes):
-            waits = world.state.waiting[agent, lane]
-            speed[agent, lane] = 0.0 if waits else speed[agent, lane]
-            steering[agent, lane] = 0.0 if waits else steering[agent, lane]
 
 
 @entry
@@ -148,4 +144,6 @@ def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.nda
         steering,
         threads=batch.num_threads,
     )
+    waiting = batch.worlds.state.waiting
+    speed[waiting] = steering[waiting] = 0.0
     return speed, steering

@@ -139,7 +139,8 @@ def rollout(
     # ones first, for they take longest.
     order = np.lexsort(-batch.worlds.fleet.num_trailers[::-1])
     roll = functools.partial(_roll, canonical(policy), batch)
-    run_on_threads(roll, _shares(order, threads or default_threads()), threads)
+    threads = threads or default_threads()
+    run_on_threads(roll, _shares(order, threads), threads)
     return tabulate(batch.worlds, start, policy)
 
 

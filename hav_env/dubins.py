@@ -5,8 +5,8 @@ left, heading) and the radius alone. A path is one of six words of three segment
 Dubins (1957) follow here from the centres of the start's and the goal's circles: an outer tangent
 (LSL, RSR), an inner tangent (LSR, RSL) or a third circle that touches both (RLR, LRL).
 
-Nothing here branches: all six words are worked out, and selections take the shortest. So loops over
-lanes may call it.
+The shortest path is found without a branch, so that loops over lanes may ask for it: all six words
+are worked out, and selections take the shortest.
 """
 
 import math

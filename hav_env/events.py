@@ -6,7 +6,7 @@ from hav_env.collision import actual_collision, boxes_overlap, potential_collisi
 from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.dubins import path_length
 from hav_env.elementary import sincos
-from hav_env.geometry import into_frame, wrap
+from hav_env.geometry import wrap
 from hav_env.world import (
     ACTUAL,
     ARTICULATION,
@@ -40,6 +40,7 @@ from hav_env.world import (
     WHERE,
     X,
     Y,
+    into_truck_frame,
 )
 
 
@@ -65,7 +66,7 @@ def jackknifed(articulation, limit):
 @kernel
 def record_motion(dt, world, agent):
     """Record the driven path and the largest articulation, and look for the first jackknife."""
-    state, total, limit = world.state, world.record.total, world.fleet.limit
+    state, total = world.state, world.record.total
     for lane in range(world.lanes):
         total[agent, PATH, lane] += state.speed[agent, lane] * dt
         total[agent, MOVED, lane] += 0.0 if state.waiting[agent, lane] else 1.0
@@ -74,29 +75,34 @@ def record_motion(dt, world, agent):
             size = abs(state.heading[agent, unit, lane] - state.heading[agent, unit - 1, lane])
             size = size if unit <= world.fleet.num_trailers[agent, lane] else 0.0
             total[agent, LARGEST, lane] = max(total[agent, LARGEST, lane], size)
-    beyond = 0  # angles below the limit cannot jackknife
+    news = 0
     for lane in range(world.lanes):
-        beyond += total[agent, LARGEST, lane] > limit[agent, ARTICULATION, lane]
-    if beyond > 0:
+        news += _may_jackknife(world, agent, lane)
+    if news > 0:
         _record_jackknifes(world, agent)
+
+
+@kernel
+def _may_jackknife(world, agent, lane):
+    """Tell whether a HAV that never jackknifed has been beyond its limit; below, none can."""
+    beyond = world.record.total[agent, LARGEST, lane] > world.fleet.limit[agent, ARTICULATION, lane]
+    return beyond & (world.record.first[agent, JACKKNIFE, WHEN, lane] == NEVER)
 
 
 @rare_kernel
 def _record_jackknifes(world, agent):
     first = world.record.first
     for lane in range(world.lanes):
-        limit = world.fleet.limit[agent, ARTICULATION, lane]
-        if world.record.total[agent, LARGEST, lane] <= limit:
+        if not _may_jackknife(world, agent, lane):
             continue
+        limit = world.fleet.limit[agent, ARTICULATION, lane]
         for unit in range(1, world.fleet.num_trailers[agent, lane] + 1):
-            heading, ahead = (
-                world.state.heading[agent, unit, lane],
-                world.state.heading[agent, unit - 1, lane],
-            )
-            is_new = first[agent, JACKKNIFE, WHEN, lane] == NEVER
-            if is_new and abs(heading - ahead) > limit and jackknifed(heading - ahead, limit):
+            ahead = world.state.heading[agent, unit - 1, lane]
+            articulation = world.state.heading[agent, unit, lane] - ahead
+            if abs(articulation) > limit and jackknifed(articulation, limit):
                 first[agent, JACKKNIFE, WHEN, lane] = world.state.clock[STEP, lane]
                 first[agent, JACKKNIFE, WHERE, lane] = unit
+                break
 
 
 @kernel
@@ -140,8 +146,7 @@ def _is_new(first, event, agent, other, lane):
 @rare_kernel
 def _record_pairs(world, agent, other):
     for lane in range(world.lanes):
-        if _may_be_news(world, agent, other, lane):
-            _record_pair(world, agent, other, lane)
+        _record_pair(world, agent, other, lane)
 
 
 @kernel
@@ -190,12 +195,9 @@ def assign_goal(world, agent, lane):
     state.goal[agent, COSINE, lane] = cosine
     state.goal[agent, SINE, lane] = sine
     state.goal[agent, DISTANCE, lane] = goal_distance(state, agent, lane)
-    forward, left = into_frame(
-        state.goal[agent, X, lane] - state.x[agent, lane],
-        state.goal[agent, Y, lane] - state.y[agent, lane],
-        state.cosine[agent, 0, lane],
-        state.sine[agent, 0, lane],
-    )
+    dx = state.goal[agent, X, lane] - state.x[agent, lane]
+    dy = state.goal[agent, Y, lane] - state.y[agent, lane]
+    forward, left = into_truck_frame(state, agent, lane, dx, dy)
     turn = heading - state.heading[agent, 0, lane]
     radius = world.fleet.radius[agent, STABLE, lane]
     goal = world.record.goal

@@ -83,7 +83,7 @@ def exchange_lanes(one, lane, other, to):
 def exchange_worlds(one, lane, other, to):
     """Exchange the worlds in two lanes of batches of the same shapes, or of one batch.
 
-    The scratch of the search for neighbours stays: each search begins anew.
+    Scratch stays: whoever uses it begins anew.
     """
     exchange_lanes(one.state.x, lane, other.state.x, to)
     exchange_lanes(one.state.y, lane, other.state.y, to)
@@ -92,7 +92,6 @@ def exchange_worlds(one, lane, other, to):
     exchange_lanes(one.state.sine, lane, other.state.sine, to)
     exchange_lanes(one.state.speed, lane, other.state.speed, to)
     exchange_lanes(one.state.steering, lane, other.state.steering, to)
-    exchange_lanes(one.state.ahead, lane, other.state.ahead, to)
     exchange_lanes(one.state.goal, lane, other.state.goal, to)
     exchange_lanes(one.state.waiting, lane, other.state.waiting, to)
     exchange_lanes(one.state.clock, lane, other.state.clock, to)

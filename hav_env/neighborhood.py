@@ -28,17 +28,17 @@ def _compare_all(task, world):
     for agent in range(world.state.x.shape[0]):
         for other in range(agent + 1, world.state.x.shape[0]):
             for lane in range(world.lanes):
-                if _in_range(task, world, agent, other, lane):
+                dx = world.state.x[other, lane] - world.state.x[agent, lane]
+                dy = world.state.y[other, lane] - world.state.y[agent, lane]
+                reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
+                if _in_range(task, dx, dy, reaches):
                     _append(world.nearby, agent, other, lane)
                     _append(world.nearby, other, agent, lane)
 
 
 @kernel
-def _in_range(task, world, agent, other, lane):
-    state, fleet = world.state, world.fleet
-    dx = state.x[other, lane] - state.x[agent, lane]
-    dy = state.y[other, lane] - state.y[agent, lane]
-    limit = reach(fleet, agent, lane) + reach(fleet, other, lane) + task.sensing_range
+def _in_range(task, dx, dy, reaches):
+    limit = reaches + task.sensing_range
     return dx * dx + dy * dy <= limit * limit
 
 
@@ -100,9 +100,8 @@ def _search_cell(task, nearby, grid, place, agent, column, row, lane):
     other = grid[BUCKET, _bucket_of(grid, column, row)]
     while other > agent:  # a pair is looked at once
         dx, dy = place[0, other] - place[0, agent], place[1, other] - place[1, agent]
-        limit = place[2, agent] + place[2, other] + task.sensing_range
         same_cell = grid[COLUMN, other] == column and grid[ROW, other] == row
-        if same_cell and dx * dx + dy * dy <= limit * limit:
+        if same_cell and _in_range(task, dx, dy, place[2, agent] + place[2, other]):
             _append(nearby, agent, other, lane)
             _append(nearby, other, agent, lane)
         other = grid[NEXT, other]

@@ -23,6 +23,7 @@ from hav_env.world import (
     STEP,
     X,
     Y,
+    into_truck_frame,
     truck_distance,
 )
 
@@ -75,25 +76,18 @@ def articulation_direction(world, agent, joint, lane):
 def goal_pose(world, agent, lane):
     """Return the goal under way: forward [m], left [m], heading relative to the truck's [rad]."""
     state, goal = world.state, world.state.goal
-    forward, left = into_frame(
-        goal[agent, X, lane] - state.x[agent, lane],
-        goal[agent, Y, lane] - state.y[agent, lane],
-        state.cosine[agent, 0, lane],
-        state.sine[agent, 0, lane],
-    )
+    dx = goal[agent, X, lane] - state.x[agent, lane]
+    dy = goal[agent, Y, lane] - state.y[agent, lane]
+    forward, left = into_truck_frame(state, agent, lane, dx, dy)
     return forward, left, wrap(goal[agent, HEADING, lane] - state.heading[agent, 0, lane])
 
 
 @kernel
 def goal_direction(world, agent, lane):
     """Return cosine and sine of the goal's heading relative to the truck's."""
-    state, goal = world.state, world.state.goal
-    return into_frame(
-        goal[agent, COSINE, lane],
-        goal[agent, SINE, lane],
-        state.cosine[agent, 0, lane],
-        state.sine[agent, 0, lane],
-    )
+    goal = world.state.goal
+    cosine, sine = goal[agent, COSINE, lane], goal[agent, SINE, lane]
+    return into_truck_frame(world.state, agent, lane, cosine, sine)
 
 
 @kernel
@@ -112,12 +106,9 @@ def neighbor_id(world, agent, k, lane):
 def neighbor_position(world, agent, k, lane):
     """Return where the truck's rear axle of neighbour ``k`` is: forward [m], left [m]."""
     state, other = world.state, world.nearby.index[agent, k, lane]
-    return into_frame(
-        state.x[other, lane] - state.x[agent, lane],
-        state.y[other, lane] - state.y[agent, lane],
-        state.cosine[agent, 0, lane],
-        state.sine[agent, 0, lane],
-    )
+    dx = state.x[other, lane] - state.x[agent, lane]
+    dy = state.y[other, lane] - state.y[agent, lane]
+    return into_truck_frame(state, agent, lane, dx, dy)
 
 
 @kernel

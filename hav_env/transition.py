@@ -50,26 +50,23 @@ def step(task, vehicle, world, speed, steering):
     Returns:
         How many worlds may have ended: where a goal was hit, or time is up.
     """
-    num_havs = world.state.x.shape[0]
-    news = _count_step(task, world)
+    num_havs, hits = world.state.x.shape[0], 0
+    late = _count_step(task, world)
     for hav in range(num_havs):
         agent = fixed(hav)
         _command(world, agent, speed, steering)
         moving = moving_block(world, agent)
         move(vehicle, task.dt, moving, agent)
         record_motion(task.dt, moving, agent)
+        hits += record_approach(task, moving, agent)
         if num_havs > 1:
             enclose(moving, agent)
     if num_havs > 1:
         find_nearby(task, world)
         record_collisions(world)
-    hits = 0
-    for hav in range(num_havs):
-        agent = fixed(hav)
-        hits += record_approach(task, moving_block(world, agent), agent)
     if hits > 0:
         _begin_phases(world)
-    return news + hits
+    return late + hits
 
 
 @kernel

@@ -16,6 +16,7 @@ import numpy as np
 
 from hav_env.compiled import kernel
 from hav_env.elementary import sincos
+from hav_env.geometry import into_frame
 
 Array = Any  # np.ndarray
 
@@ -184,14 +185,20 @@ def derive_radii(fleet, agent, lane, truck_share):
 
 
 @kernel
-def set_limits(fleet, agent, lane, speed, steering, articulation):
-    """Set the limits of a HAV [m/s, rad, rad]."""
-    sine, cosine = sincos(steering)
-    fleet.limit[agent, SPEED, lane] = speed
-    fleet.limit[agent, STEERING, lane] = steering
-    fleet.limit[agent, ARTICULATION, lane] = articulation
+def set_limits(scenario, fleet, agent, lane):
+    """Set the limits of a HAV to its scenario's."""
+    sine, cosine = sincos(scenario.steering_max)
+    fleet.limit[agent, SPEED, lane] = scenario.speed_max
+    fleet.limit[agent, STEERING, lane] = scenario.steering_max
+    fleet.limit[agent, ARTICULATION, lane] = scenario.articulation_max
     fleet.limit[agent, STEERING_COSINE, lane] = cosine
     fleet.limit[agent, STEERING_SINE, lane] = sine
+
+
+@kernel
+def into_truck_frame(state, agent, lane, dx, dy):
+    """Rotate a difference of positions [m], or a direction, into a truck's frame: forward, left."""
+    return into_frame(dx, dy, state.cosine[agent, 0, lane], state.sine[agent, 0, lane])
 
 
 @kernel

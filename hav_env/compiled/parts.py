@@ -1,7 +1,5 @@
 """Numba's compiler, told to compile kernels as parts of entries, once, for the widest vectors."""
 
-import weakref
-
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, register_pass
@@ -28,7 +26,6 @@ class Part(Whole):
 
     def _finalize_final_module(self):
         self._finalize_dynamic_globals()
-        self._final_module.__library = weakref.proxy(self)
         self._finalized = True
 
     def get_pointer_to_function(self, name):

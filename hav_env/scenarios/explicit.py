@@ -171,14 +171,7 @@ def populate_explicit(scenario, world, lane):
         fleet.num_trailers[agent, lane] = scenario.num_trailers[agent]
         for unit in range(scenario.length.shape[1]):
             fleet.length[agent, unit, lane] = scenario.length[agent, unit]
-        set_limits(
-            fleet,
-            agent,
-            lane,
-            scenario.speed_max,
-            scenario.steering_max,
-            scenario.articulation_max,
-        )
+        set_limits(scenario, fleet, agent, lane)
         derive_radii(fleet, agent, lane, 0.0)
         x, y, heading = scenario.start[agent]
         put_straight(world.state, agent, lane, x, y, heading)

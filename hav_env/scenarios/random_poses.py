@@ -93,14 +93,7 @@ def _draw_fleet(scenario, fleet, lane, key, draw):
             span = scenario.max_length - scenario.min_length
             fleet.length[agent, unit, lane] = scenario.min_length + span * uniform(*key, draw)
             draw += 1
-        set_limits(
-            fleet,
-            agent,
-            lane,
-            scenario.speed_max,
-            scenario.steering_max,
-            scenario.articulation_max,
-        )
+        set_limits(scenario, fleet, agent, lane)
         derive_radii(fleet, agent, lane, scenario.footprint_truck_share)
     return draw
 
