@@ -21,10 +21,10 @@ from baselines.calibrate import calibrate
 from baselines.evaluate import compare, markdown, read_columns
 from baselines.files import write_text
 from baselines.progress import Progress
-from baselines.registry import POLICIES, find_policy, find_scenario
+from baselines.registry import POLICIES, find_policy
 from baselines.reproduce import PAPER_EXPERIMENTS, reproduce
 from baselines.results import Experiments, run_experiments
-from hav_env import OnAxle, RandomPoses, Task
+from hav_env import Explicit, OnAxle, Task, find_scenario
 
 _COMMANDS = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
@@ -118,7 +118,7 @@ def _evaluate(arguments: list[str]) -> None:
     scenario_name, arguments = _take(arguments, "--scenario", "paper-single")
     scenario = find_scenario(scenario_name)
     classes = [find_policy(name) for name in names]
-    drawn = isinstance(scenario, RandomPoses)  # otherwise all episodes of a policy are the same
+    drawn = not isinstance(scenario, Explicit)  # otherwise all episodes of a policy are the same
     fields: list[tuple] = [
         ("episodes", int, 1_000 if drawn else 1, "Episodes 0 .. of the seed."),
         ("task", Task),
@@ -127,7 +127,8 @@ def _evaluate(arguments: list[str]) -> None:
     if len(classes) == 1:
         fields.append(("policy", classes[0]))
     if drawn:
-        fields.append(("scenario", Annotated[RandomPoses, tyro.conf.OmitArgPrefixes], scenario))
+        # its options go without its name: --num-havs, --fleet.max-trailers
+        fields.append(("scenario", Annotated[type(scenario), tyro.conf.arg(name="")], scenario))
     options = _parse("evaluate", arguments, fields, output=None)
     scenario = getattr(options, "scenario", scenario)
     policies = [options.policy] if len(classes) == 1 else [policy() for policy in classes]

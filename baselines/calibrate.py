@@ -10,10 +10,10 @@ import pyarrow.parquet as pq
 
 from baselines.avoid_jack import AvoidJack
 from baselines.progress import Progress
-from baselines.registry import SCENARIOS
 from baselines.reproduce import PUBLISHED
 from baselines.results import Experiments, check_at_least_one, run_experiments, write_table
 from baselines.statistics import wilson
+from hav_env.scenarios.presets import SCENARIOS
 from hav_env.vehicles import OnAxle
 
 
@@ -22,22 +22,22 @@ class Choice(NamedTuple):
 
     name: str
     policy: dict[str, Any] = {}  # noqa: RUF012  # never written to
-    scenario: dict[str, Any] = {}  # noqa: RUF012
+    fleet: dict[str, Any] = {}  # noqa: RUF012
     vehicle: OnAxle = OnAxle()
 
 
 CHOICES = (
     Choice("defaults"),
     *(
-        Choice(f"steering_max {degrees} deg", scenario={"steering_max": math.radians(degrees)})
+        Choice(f"steering_max {degrees} deg", fleet={"steering_max": math.radians(degrees)})
         for degrees in (35, 38, 42, 45, 50)
     ),
     *(
         Choice(f"close_factor {factor}", {"close_factor": factor})
         for factor in (1.0, 3.0, 3.25, 3.75, 4.0)
     ),
-    Choice("trailer count rounded", scenario={"trailer_offset": 0.5}),
-    Choice("trailer count drawn again", scenario={"trailer_redraw": True}),
+    Choice("trailer count rounded", fleet={"trailer_offset": 0.5}),
+    Choice("trailer count drawn again", fleet={"trailer_redraw": True}),
     Choice("all derivatives at once", vehicle=OnAxle(simultaneous=True)),
     Choice("10 Euler substeps", vehicle=OnAxle(substeps=10)),
     Choice(
@@ -53,10 +53,7 @@ CHOICES = (
         Choice(f"straight_below {limit} m", {"straight_below": limit})
         for limit in (1e-9, 0.05, 0.2)
     ),
-    *(
-        Choice(f"footprint_truck_share {s}", scenario={"footprint_truck_share": s})
-        for s in (0.5, 1.0)
-    ),
+    *(Choice(f"footprint_truck_share {s}", fleet={"footprint_truck_share": s}) for s in (0.5, 1.0)),
     *(Choice(f"evasion_truck_share {s}", {"evasion_truck_share": s}) for s in (0.5, 1.0)),
     *(Choice(f"evasion_release {r}", {"evasion_release": r}) for r in (1.2, 1.5, 2.0)),
     Choice("jackknife weight c = 3", {"c": 3.0}),
@@ -97,9 +94,10 @@ def calibrate(
         for number, choice in enumerate(CHOICES):
             row: dict[str, Any] = {"choice": choice.name}
             for scenario in ("single", "pair"):
+                preset = SCENARIOS[f"paper-{scenario}"]
                 task = Experiments(
                     AvoidJack()._replace(**choice.policy),
-                    SCENARIOS[f"paper-{scenario}"]._replace(**choice.scenario),
+                    preset._replace(fleet=preset.fleet._replace(**choice.fleet)),
                     experiments,
                     seed,
                     vehicle=choice.vehicle,

@@ -11,10 +11,10 @@ from baselines.evaluate import compare, markdown
 from baselines.files import write_text
 from baselines.fingerprints import fingerprints
 from baselines.progress import Progress
-from baselines.registry import SCENARIOS
 from baselines.results import Experiments, check_at_least_one, run_experiments
 from baselines.statistics import proportions_agree, wilson
 from hav_env import OnAxle
+from hav_env.scenarios.presets import SCENARIOS
 
 
 class Published(NamedTuple):

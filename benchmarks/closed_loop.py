@@ -38,7 +38,10 @@ class Workload(NamedTuple):
 
 
 def _trailers(count: int) -> RandomPoses:
-    return RandomPoses(min_trailers=count, max_trailers=count)
+    limits = {"min_trailers": count, "max_trailers": count}
+    if "fleet" in RandomPoses._fields:
+        return RandomPoses(fleet=RandomPoses().fleet._replace(**limits))
+    return RandomPoses(**limits)  # earlier versions, measured as well, have no fleet of its own
 
 
 WORKLOADS = {

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from hav_env import Batch, OnAxle, RandomPoses
+from hav_env import Batch, OnAxle, RandomFleet, RandomPoses
 from hav_env.batch import LANES
 from hav_env.compiled import entry
 from hav_env.vehicles import move
@@ -29,7 +29,7 @@ def kinematics_rate(trailers: int | None, num_steps: int = 2_000) -> float:
         num_steps: to drive each block of worlds.
     """
     fixed = {} if trailers is None else {"min_trailers": trailers, "max_trailers": trailers}
-    batch = Batch(RandomPoses(**fixed), LANES * _BLOCKS)
+    batch = Batch(RandomPoses(fleet=RandomFleet(**fixed)), LANES * _BLOCKS)
     batch.reset(0)
     counts = batch.worlds.fleet.num_trailers[0]
     seconds = 0.0

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 from hypothesis import settings
 
-from hav_env import Batch, RandomPoses, Task
+from hav_env import Batch, RandomFleet, RandomPoses, Task
 from hav_env.collision import enclose
 from hav_env.lanes import block_of, view_of
 from hav_env.world import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE
@@ -38,11 +38,23 @@ def chain(lengths, x, y, headings) -> np.ndarray:
     return np.array([x, y]) + np.concatenate([units[:1], np.zeros((1, 2)), -units[1:].cumsum(0)])
 
 
+def sample(scenario, num_worlds, seed=1):
+    """Return the worlds of so many episodes at their beginning."""
+    batch = Batch(scenario, num_worlds)
+    batch.reset(seed)
+    return batch.worlds
+
+
+def places_of(worlds):
+    """Return the positions of starts and goals (1 + G, N, 2, W)."""
+    starts = np.stack([worlds.state.x, worlds.state.y], axis=1)
+    return np.concatenate([starts[None], np.moveaxis(worlds.goals[:, :, :2], 1, 0)])
+
+
 def open_plane(num_worlds=1, num_havs=1, num_trailers=3, *, task=Task(), vehicle=None, goals=1):
     """Return a batch whose HAVs are to be overwritten by ``put``; nobody is near a goal."""
-    scenario = RandomPoses(
-        num_havs=num_havs, num_goals=goals, max_trailers=num_trailers, area_factor=1e4
-    )
+    fleet = RandomFleet(max_trailers=num_trailers)
+    scenario = RandomPoses(num_havs=num_havs, num_goals=goals, fleet=fleet, area_factor=1e4)
     vehicles = {} if vehicle is None else {"vehicle": vehicle}
     batch = Batch(scenario, num_worlds, task, **vehicles)
     batch.reset(0)

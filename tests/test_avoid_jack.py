@@ -12,7 +12,7 @@ from baselines.avoid_jack import AvoidJack, jackknife_weight, safe_speed
 from baselines.policy import allocate_memory, decide
 from baselines.pursuit import DubinsPursuit
 from baselines.random_actions import Random
-from hav_env import Batch, RandomPoses, Task
+from hav_env import Batch, RandomFleet, RandomPoses, Task
 from hav_env.dubins import WORDS, shortest_path
 
 DEGREE = math.pi / 180
@@ -301,7 +301,8 @@ def reference_vector(world, agent):
 @pytest.mark.parametrize("hold", [1, 5])
 def test_random_actions_fill_the_limits_and_repeat(hold):
     def actions():
-        batch = Batch(RandomPoses(num_havs=2, speed_max=0.7, steering_max=0.4), 3)
+        fleet = RandomFleet(speed_max=0.7, steering_max=0.4)
+        batch = Batch(RandomPoses(num_havs=2, fleet=fleet), 3)
         batch.reset(3)
         memory, taken = allocate_memory(Random(), 2, 3), []
         for _ in range(300):

@@ -9,7 +9,7 @@ from conftest import budget, chain, limit, open_plane, put, stand
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hav_env import Batch, RandomPoses, Task
+from hav_env import Batch, RandomFleet, RandomPoses, Task
 from hav_env.collision import actual_collision
 from hav_env.geometry import segments_intersect
 from hav_env.world import ACTUAL, FOOTPRINT, POTENTIAL, WHEN, WHERE
@@ -131,7 +131,7 @@ def test_circles_that_touch_are_in_potential_collision():
 @pytest.mark.parametrize(("num_havs", "seed"), [(4, 2), (9, 2), (25, 3)])
 def test_the_first_collision_and_the_partner_in_it_are_recorded(num_havs, seed):
     task = Task(sensing_range=0.0, dt=1.0)
-    scenario = RandomPoses(num_havs=num_havs, max_trailers=3, speed_max=2.0)
+    scenario = RandomPoses(num_havs, fleet=RandomFleet(max_trailers=3, speed_max=2.0))
     batch, rng = Batch(scenario, 1, task), np.random.default_rng(seed)
     batch.reset(seed)
     world = batch.world(0)

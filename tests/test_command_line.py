@@ -16,7 +16,7 @@ from conftest import budget
 from baselines import calibrate, results
 from baselines.__main__ import main
 from baselines.avoid_jack import AvoidJack
-from baselines.registry import POLICIES, SCENARIOS
+from baselines.registry import POLICIES
 from baselines.results import Experiments, run_experiments
 from hav_env import RandomPoses, Task
 
@@ -52,6 +52,29 @@ def test_parameters_of_policy_and_scenario_are_options(tmp_path, capsys):
     assert pq.read_table(tmp_path / "avoid_jack.parquet").num_rows == 6
     assert described["policy"]["beta"] == 1.2
     assert described["scenario"]["num_havs"] == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "option", "field"),
+    [
+        ("swarm-10", "--area-factor", "area_factor"),
+        ("crossing-8", "--gap", "gap"),
+        ("yard-4", "--aisle", "aisle"),
+        ("column-5", "--distance", "distance"),
+    ],
+)
+def test_every_drawn_scenario_has_its_own_options(name, option, field, tmp_path, capsys):
+    code, _, _ = run(
+        capsys, "evaluate", "random", "--scenario", name, "--episodes", 1, "--num-havs", 3,
+        option, 55, "--fleet.max-trailers", 2, "--output", tmp_path, "--task.max-steps", 5,
+    )  # fmt: skip
+    described = json.loads((tmp_path / "random.json").read_text())["scenario"]
+    assert code == 0
+    assert described["num_havs"] == 3
+    assert described[field] == 55.0
+    assert described["fleet"]["type"] == "RandomFleet"
+    assert described["fleet"]["max_trailers"] == 2
+    assert max(pq.read_table(tmp_path / "random.parquet")["num_trailers"].to_pylist()) <= 2
 
 
 def test_a_policy_of_ones_own_is_evaluated_from_its_module(tmp_path, capsys, monkeypatch):
@@ -158,7 +181,7 @@ def test_results_without_a_description_are_not_taken_for_ones_own(tmp_path, caps
         (["evaluate", "avoid_jack", "--policy.beta", "nan"], "policy beta is nan"),
         (["evaluate", "avoid_jack", "--policy.beta", "much"], "--policy.beta"),
         (["evaluate", "random", "--num-havs", "0"], "num_havs is 0"),
-        (["evaluate", "random", "--min-length", "-1"], "min_length is -1"),
+        (["evaluate", "random", "--fleet.min-length", "-1"], "min_length is -1"),
         (["evaluate", "random", "--episodes", "0"], "episodes is 0"),
         (["evaluate", "random", "--seed", "-1"], "seed is -1"),
         (["evaluate", "random", "--threads", "0"], "threads is 0"),
@@ -167,6 +190,7 @@ def test_results_without_a_description_are_not_taken_for_ones_own(tmp_path, caps
         (["evaluate", "random", "--policy.hold", "0"], "policy hold is 0"),
         (["evaluate", "avoid_jack", "--policy.beta", "1.6"], "policy beta is 1.6"),
         (["evaluate", "avoid_jack", "--policy.close-factor", "-1"], "close_factor is -1"),
+        (["evaluate", "random", "--scenario", "yard-4", "--aisle", "0"], "aisle is 0"),
         (["evaluate", "random", "--scenario", "moon"], "unknown scenario 'moon'"),
         (["evaluate", "random", "--scenario", "none.json"], "no scenario file none.json"),
         (["reproduce", "--policy", "nobody"], "unknown policy 'nobody'"),
@@ -243,10 +267,8 @@ def test_calibrate_measures_every_choice(tmp_path, capsys, monkeypatch):
     assert table["choice"].to_pylist() == ["steering_max 35 deg"]
     assert 0.0 <= table["pair_goal_1_hit"][0].as_py() <= table["pair_goal_1_hit_high"][0].as_py()
     described = json.loads((tmp_path / "choices/00-pair.json").read_text())
-    assert np.isclose(np.degrees(described["scenario"]["steering_max"]), 35)
+    assert np.isclose(np.degrees(described["scenario"]["fleet"]["steering_max"]), 35)
 
 
-def test_presets_are_the_papers():
-    assert SCENARIOS["paper-single"] == RandomPoses(num_havs=1)
-    assert SCENARIOS["paper-pair"] == RandomPoses(num_havs=2)
+def test_defaults_are_the_papers():
     assert np.isclose(np.degrees(AvoidJack().beta), 75)

@@ -7,7 +7,7 @@ import pytest
 from conftest import budget, limit, open_plane, put, stand
 from scipy.integrate import solve_ivp
 
-from hav_env import Batch, OnAxle, RandomPoses, Task
+from hav_env import Batch, OnAxle, RandomFleet, RandomPoses, Task
 from hav_env.world import FOOTPRINT, JACKKNIFE, MOVED, PATH, STABLE, WHEN
 
 RNG = np.random.default_rng(2)
@@ -137,7 +137,7 @@ def test_no_circle_inside_the_minimal_stable_one_can_be_driven_on_for_long(lengt
 @pytest.mark.parametrize("num_havs", [1, 7])
 @pytest.mark.parametrize("share", [0.0, 0.6])
 def test_radii_follow_from_the_lengths(num_havs, share):
-    batch = Batch(RandomPoses(num_havs=num_havs, footprint_truck_share=share), 20)
+    batch = Batch(RandomPoses(num_havs, fleet=RandomFleet(footprint_truck_share=share)), 20)
     batch.reset(3)
     for w in range(20):
         fleet = batch.world(w).fleet

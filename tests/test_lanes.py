@@ -10,21 +10,20 @@ from probes import OneByOne, Weaving
 from baselines.avoid_jack import AvoidJack
 from baselines.metrics import tabulate
 from baselines.policy import allocate_memory, decide
-from baselines.registry import SCENARIOS
 from baselines.rollout import rollout
-from hav_env import Batch, RandomPoses, Task
+from hav_env import Batch, RandomFleet, RandomPoses, Task, find_scenario
 from hav_env.world import JACKKNIFE, MOVED, PATH, PHASE, WHEN
 
 # Goals that are easily hit, and joints that are easily bent too far: much happens in few steps.
 TASK = Task(dt=2.0, distance_tolerance=25.0, heading_tolerance=2.8, max_steps=budget(40, 25))
-SHORT = {"max_length": 5.0, "short_truck_mean": 3.0, "long_truck_mean": 5.0}
+SHORT = RandomFleet(max_length=5.0, short_truck_mean=3.0, long_truck_mean=5.0, articulation_max=0.6)
 CAREFUL = AvoidJack(beta=0.3)
 STEPS = budget(30, 12)
 MOST = 300  # worlds
 
 
 def eventful(num_havs):
-    return RandomPoses(num_havs=num_havs, articulation_max=0.6, **SHORT)
+    return RandomPoses(num_havs=num_havs, fleet=SHORT)
 
 
 @functools.cache
@@ -178,9 +177,9 @@ def test_an_episode_in_a_rollout_is_the_episode_alone(policy, num_havs, num_epis
         assert min(steps) < max(steps) == TASK.max_steps
 
 
-@pytest.mark.parametrize("name", ["paper-single", "paper-pair", "four"])
+@pytest.mark.parametrize("name", ["paper-single", "paper-pair", "crossing-8"])
 def test_a_policy_decides_the_same_for_one_hav_and_for_many_lanes(name):
-    scenario = (SCENARIOS | {"four": RandomPoses(num_havs=4)})[name]
+    scenario = find_scenario(name)
     episodes, task = np.arange(budget(100, 3)), Task(max_steps=budget(3_000, 30))
     in_lanes, one_by_one = (
         rows(rollout(policy, scenario, 14, episodes, task), scenario.num_havs)

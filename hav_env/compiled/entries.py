@@ -70,10 +70,18 @@ def run_on_threads(function: Callable, items: Iterable, threads: int | None = No
 
 
 def canonical(model: Any) -> Any:
-    """Return a model whose ``float`` fields are floats: an int is another type, compiled anew."""
+    """Return a model whose ``float`` fields are floats, and those of the models in it.
+
+    An int is another type, compiled anew.
+    """
     kinds = type(model).__annotations__
-    whole = {f: float(v) for f, v in model._asdict().items() if kinds[f] is float}
-    return model._replace(**whole)
+    changed = {}
+    for field, value in model._asdict().items():
+        if hasattr(value, "_asdict"):
+            changed[field] = canonical(value)
+        elif kinds[field] is float:
+            changed[field] = float(value)
+    return model._replace(**changed)
 
 
 def default_threads() -> int:

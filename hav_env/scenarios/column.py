@@ -1,0 +1,58 @@
+"""A column: one HAV behind the other, straight on."""
+
+from typing import NamedTuple
+
+from hav_env.collision import reach
+from hav_env.scenarios.checks import require, require_gap
+from hav_env.scenarios.fleets import RandomFleet, check_drawn, draw_fleet, episode_key
+from hav_env.world import FOOTPRINT, HEADING, X, Y, put_straight
+
+
+class Column(NamedTuple):
+    """HAVs one behind the other on a line, HAV 0 in front; goals are the same column further on."""
+
+    num_havs: int = 5
+    """How many HAVs are in the column."""
+    num_goals: int = 1
+    """How many times the column moves on."""
+    fleet: RandomFleet = RandomFleet()
+    """Trucks and trailers."""
+    distance: float = 200.0
+    """How far the column moves on for each goal [m]."""
+    gap: float = 10.0
+    """Gap [m] between the footprint of a HAV and that of the one behind, or the front of its truck
+    where that sticks out."""
+
+    @property
+    def max_trailers(self) -> int:
+        """The fleet's."""
+        return self.fleet.max_trailers
+
+    @property
+    def articulation_max(self) -> float:
+        """The fleet's [rad]."""
+        return self.fleet.articulation_max
+
+
+def populate_column(scenario, world, lane):
+    """Draw the fleet of one lane and line it up; there is always room."""
+    fleet = world.fleet
+    draw_fleet(scenario.fleet, fleet, lane, episode_key(world, lane), 0)
+    x = 0.0
+    for agent in range(scenario.num_havs):
+        if agent > 0:
+            between = fleet.radius[agent - 1, FOOTPRINT, lane] + reach(fleet, agent, lane)
+            x -= between + scenario.gap
+        put_straight(world.state, agent, lane, x, 0.0, 0.0)
+        for phase in range(scenario.num_goals):
+            world.goals[agent, phase, X, lane] = x + (phase + 1) * scenario.distance
+            world.goals[agent, phase, Y, lane] = 0.0
+            world.goals[agent, phase, HEADING, lane] = 0.0
+    return True
+
+
+def check_column(scenario: Column) -> None:
+    """Check the parameters; raises ValueError with field, value and what is allowed."""
+    check_drawn(scenario)
+    require(scenario.distance > 0, "scenario", scenario, "distance", "above 0 m")
+    require_gap(scenario)

@@ -1,0 +1,144 @@
+"""Random fleets, the paper's section V: trucks and trailers, their lengths and limits."""
+
+import math
+from typing import Any, NamedTuple
+
+from hav_env.compiled import kernel
+from hav_env.randomness import normal, uniform
+from hav_env.scenarios.checks import require, require_finite
+from hav_env.world import EPISODE, SEED, derive_radii, set_limits
+
+_STREAM = 0  # of the episode's random numbers; policies use others
+_MOST_DRAWS = 10_000  # of one length or count, before the limits are held to be unreachable
+
+
+class RandomFleet(NamedTuple):
+    """How the HAVs of an episode are drawn; the defaults are the paper's."""
+
+    min_trailers: int = 1
+    max_trailers: int = 10
+    trailer_sigma: float = 3.0
+    """sigma of the Rayleigh distribution of the trailer count."""
+    trailer_offset: float = 0.0
+    """Added before a Rayleigh sample is cut to a whole number: 0 cuts downwards, 0.5 rounds.
+    The paper leaves this open; cutting gives somewhat more goals."""
+    trailer_redraw: bool = False
+    """Draw counts outside the limits again, instead of moving them to the nearest limit.
+    The paper leaves this open; it matters for one HAV in twenty."""
+    min_length: float = 2.0
+    """Least length of trucks and trailers [m]."""
+    max_length: float = 12.0
+    """No length reaches this [m]."""
+    short_truck_mean: float = 4.0
+    """Truck lengths are an even mixture of two normal distributions [m], drawn again when outside
+    the limits."""
+    short_truck_deviation: float = 0.6
+    long_truck_mean: float = 10.7
+    long_truck_deviation: float = 1.2
+    footprint_truck_share: float = 0.0
+    """Share of the truck's length in the footprint radius d_i. The paper's formula sums the
+    trailers alone, so that a truck sticks out; its few actual collisions read as if trucks
+    counted."""
+    speed_max: float = 1.0
+    """[m/s]; eq. (vmax) allows the paper's fleets at least this."""
+    steering_max: float = math.radians(40.0)
+    """[rad]; the paper does not state it. v_max >= 1 m/s bounds it below 58.8 degrees; 40 degrees
+    fits the jackknifes and goals published for single HAVs (docs/reproduction.md)."""
+    articulation_max: float = math.pi / 2
+    """Jackknifed beyond it [rad]."""
+
+
+@kernel
+def episode_key(world, lane):
+    """Return what the random numbers of a scenario depend on: seed, episode, stream."""
+    clock = world.state.clock
+    return clock[SEED, lane], clock[EPISODE, lane], _STREAM
+
+
+@kernel
+def draw_fleet(random_fleet, fleet, lane, key, draw):
+    """Draw the HAVs of one lane.
+
+    Args:
+        random_fleet: a RandomFleet.
+        fleet: the arrays to be filled.
+        key: of the episode; draw: number of the first random number.
+
+    Returns:
+        The number of the next random number.
+    """
+    for agent in range(fleet.num_trailers.shape[0]):
+        count, draw = _draw_count(random_fleet, key, draw)
+        truck, draw = _draw_truck(random_fleet, key, draw)
+        fleet.num_trailers[agent, lane] = count
+        fleet.length[agent, :, lane] = math.inf
+        fleet.length[agent, 0, lane] = truck
+        for unit in range(1, count + 1):
+            span = random_fleet.max_length - random_fleet.min_length
+            fleet.length[agent, unit, lane] = random_fleet.min_length + span * uniform(*key, draw)
+            draw += 1
+        set_limits(random_fleet, fleet, agent, lane)
+        derive_radii(fleet, agent, lane, random_fleet.footprint_truck_share)
+    return draw
+
+
+@kernel
+def _draw_count(random_fleet, key, draw):
+    for _ in range(_MOST_DRAWS):
+        spread = math.sqrt(-2.0 * math.log(1.0 - uniform(*key, draw)))
+        draw += 1
+        count = math.floor(random_fleet.trailer_sigma * spread + random_fleet.trailer_offset)
+        if not random_fleet.trailer_redraw:
+            return min(max(count, random_fleet.min_trailers), random_fleet.max_trailers), draw
+        if random_fleet.min_trailers <= count <= random_fleet.max_trailers:
+            return count, draw
+    return random_fleet.min_trailers, draw
+
+
+@kernel
+def _draw_truck(random_fleet, key, draw):
+    for _ in range(_MOST_DRAWS):
+        short = uniform(*key, draw) < 0.5
+        mean = random_fleet.short_truck_mean if short else random_fleet.long_truck_mean
+        spread = random_fleet.short_truck_deviation if short else random_fleet.long_truck_deviation
+        length = mean + spread * normal(*key, draw + 1)
+        draw += 3
+        if random_fleet.min_length <= length < random_fleet.max_length:
+            return length, draw
+    return random_fleet.min_length, draw
+
+
+def check_drawn(scenario: Any) -> None:
+    """Check what all scenarios that draw their fleet have: numbers, counts and the fleet.
+
+    Raises:
+        ValueError: naming the field, its value and what is allowed.
+        TypeError: when the fleet is none.
+    """
+    if not isinstance(scenario.fleet, RandomFleet):
+        raise TypeError(f"scenario fleet is {scenario.fleet!r}, but must be a RandomFleet")
+    require_finite("scenario", scenario)
+    for field in ("num_havs", "num_goals"):
+        require(getattr(scenario, field) >= 1, "scenario", scenario, field, "at least 1")
+    _check_fleet(scenario.fleet)
+
+
+def _check_fleet(fleet: RandomFleet) -> None:
+    def demand(allowed: bool, field: str, rule: str) -> None:
+        require(allowed, "fleet", fleet, field, rule)
+
+    require_finite("fleet", fleet)
+    demand(fleet.min_trailers >= 1, "min_trailers", "at least 1")
+    demand(fleet.max_trailers >= fleet.min_trailers, "max_trailers", "at least min_trailers")
+    demand(fleet.min_length > 0, "min_length", "above 0 m")
+    demand(fleet.max_length > fleet.min_length, "max_length", "above min_length")
+    low, high = fleet.min_length - 1.0, fleet.max_length + 1.0
+    for field in ("short_truck_mean", "long_truck_mean"):
+        # a mean farther out would leave hardly a sample inside the limits
+        demand(low <= getattr(fleet, field) <= high, field, f"in [{low}, {high}] m")
+    for field in ("short_truck_deviation", "long_truck_deviation", "trailer_sigma"):
+        demand(getattr(fleet, field) > 0, field, "above 0")
+    demand(0 <= fleet.footprint_truck_share <= 1, "footprint_truck_share", "in [0, 1]")
+    demand(fleet.speed_max > 0, "speed_max", "above 0 m/s")
+    demand(0 < fleet.steering_max < math.pi / 2, "steering_max", "in (0, pi/2) rad")
+    demand(0 < fleet.articulation_max <= math.pi, "articulation_max", "in (0, pi] rad")

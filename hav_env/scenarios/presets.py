@@ -1,0 +1,80 @@
+"""The names of scenarios, for papers to cite: what a name stands for does not change.
+
+| name | scenario |
+|---|---|
+| ``paper-single`` | the paper's with one HAV: random start, two random goals |
+| ``paper-pair`` | the paper's with two HAVs, in a square four times as large as their footprints |
+| ``swarm-10``, ``-50``, ``-200`` | the same with so many HAVs |
+| ``crossing-2``, ``-8`` | so many HAVs on a circle, through its centre to the other side |
+| ``yard-4``, ``-10`` | from a row of so many bays into random bays opposite |
+| ``column-5`` | five HAVs one behind the other, 200 m straight on |
+
+The fleets are the paper's throughout; everything else is in the docstrings of the classes.
+"""
+
+import pathlib
+from typing import Any
+
+from hav_env.scenarios import (
+    Column,
+    Crossing,
+    Explicit,
+    RandomPoses,
+    Yard,
+    check_scenario,
+    load_explicit,
+)
+
+SCENARIOS: dict[str, Any] = {
+    "paper-single": RandomPoses(num_havs=1),
+    "paper-pair": RandomPoses(num_havs=2),
+    "swarm-10": RandomPoses(num_havs=10),
+    "swarm-50": RandomPoses(num_havs=50),
+    "swarm-200": RandomPoses(num_havs=200),
+    "crossing-2": Crossing(num_havs=2),
+    "crossing-8": Crossing(num_havs=8),
+    "yard-4": Yard(num_havs=4),
+    "yard-10": Yard(num_havs=10),
+    "column-5": Column(num_havs=5),
+}
+
+
+def find_scenario(name: str) -> Any:
+    """Return a scenario: one of ``SCENARIOS``, or the one in a JSON file.
+
+    Raises:
+        ValueError: when there is no such scenario or the file is broken.
+    """
+    if name in SCENARIOS:
+        return SCENARIOS[name]
+    if not name.endswith(".json"):
+        raise ValueError(f"unknown scenario {name!r}; known: {', '.join(SCENARIOS)}, FILE.json")
+    if not pathlib.Path(name).is_file():
+        raise ValueError(f"there is no scenario file {name}")
+    return load_explicit(name)
+
+
+def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:
+    """Return a scenario that has been checked.
+
+    Args:
+        scenario: one, or the name of one, see ``find_scenario``.
+        num_havs: how many HAVs it is to have, if not as many as it has.
+
+    Raises:
+        ValueError: when there is no such scenario, a parameter is not allowed, or the number of
+            HAVs is asked of a scenario in which it is written down.
+        TypeError: when this is no scenario.
+    """
+    found = find_scenario(scenario) if isinstance(scenario, str) else scenario
+    check_scenario(found)
+    if num_havs is None or num_havs == found.num_havs:
+        return found
+    if isinstance(found, Explicit):
+        raise ValueError(
+            f"num_havs is {num_havs}, but an explicit scenario has the HAVs that are written down:"
+            f" {found.num_havs}"
+        )
+    changed = found._replace(num_havs=num_havs)
+    check_scenario(changed)
+    return changed

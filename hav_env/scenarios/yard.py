@@ -1,0 +1,110 @@
+"""A yard: rows of bays beside each other; everybody leaves one bay for a random one opposite."""
+
+import math
+from typing import NamedTuple
+
+from hav_env.compiled import kernel
+from hav_env.randomness import uniform
+from hav_env.scenarios.checks import require, require_gap
+from hav_env.scenarios.fleets import RandomFleet, check_drawn, draw_fleet, episode_key
+from hav_env.world import FOOTPRINT, HEADING, X, Y, put_straight
+
+_AHEAD = math.pi / 2  # out of the start bays, across the aisle, into the goal bays
+
+
+class Yard(NamedTuple):
+    """A row of start bays and, across an aisle, a row of goal bays, dealt out at random.
+
+    HAVs drive forward only, so bays are driven through: each further goal is a bay in one more row
+    behind one more aisle, dealt out anew.
+    """
+
+    num_havs: int = 4
+    """How many HAVs, and bays in a row."""
+    num_goals: int = 1
+    """How many rows of goal bays, one behind the other."""
+    fleet: RandomFleet = RandomFleet()
+    """Trucks and trailers."""
+    aisle: float = 100.0
+    """Distance of the rows [m], from rear axles to rear axles. Whoever moves to a bay far to the
+    side turns a quarter circle, drives along the aisle and turns a quarter circle back, which takes
+    2 R_min of its width; a shorter way to the side takes less. R_min, eq. (rmin), is below 39.8 m
+    in the default fleet (a truck and ten trailers of 12 m) and usually about 15 m, so 100 m leave
+    room for everybody and nobody needs a loop."""
+    gap: float = 10.0
+    """Gap [m] between the footprints of HAVs in neighbouring bays."""
+
+    @property
+    def max_trailers(self) -> int:
+        """The fleet's."""
+        return self.fleet.max_trailers
+
+    @property
+    def articulation_max(self) -> float:
+        """The fleet's [rad]."""
+        return self.fleet.articulation_max
+
+
+def populate_yard(scenario, world, lane):
+    """Draw the fleet of one lane and deal out its bays; there is always room.
+
+    A bay is as wide as the footprint of its HAV, 2 d_i, and the gap; so all rows have one width.
+    """
+    key = episode_key(world, lane)
+    draw = draw_fleet(scenario.fleet, world.fleet, lane, key, 0)
+    edge = _left_edge(scenario, world.fleet, lane)
+    for agent in range(scenario.num_havs):
+        half = _half_bay(scenario, world.fleet, agent, lane)
+        put_straight(world.state, agent, lane, edge + half, 0.0, _AHEAD)
+        edge += 2.0 * half
+    for phase in range(scenario.num_goals):
+        draw = _deal_bays(scenario, world.goals, phase, lane, key, draw)
+        _place_row(scenario, world, phase, lane)
+    return True
+
+
+@kernel
+def _half_bay(scenario, fleet, agent, lane):
+    return fleet.radius[agent, FOOTPRINT, lane] + 0.5 * scenario.gap
+
+
+@kernel
+def _left_edge(scenario, fleet, lane):
+    """Return where [m] rows begin that have their middle at 0."""
+    width = 0.0
+    for agent in range(scenario.num_havs):
+        width += 2.0 * _half_bay(scenario, fleet, agent, lane)
+    return -0.5 * width
+
+
+@kernel
+def _deal_bays(scenario, goals, phase, lane, key, draw):
+    """Write into the headings of bay 0, 1, ... whose they are (Fisher and Yates' shuffle).
+
+    The headings come later: a kernel allocates nothing. Returns the next draw.
+    """
+    for bay in range(scenario.num_havs):
+        other = int((bay + 1) * uniform(*key, draw + bay))
+        goals[bay, phase, HEADING, lane] = goals[other, phase, HEADING, lane]
+        goals[other, phase, HEADING, lane] = bay
+    return draw + scenario.num_havs
+
+
+@kernel
+def _place_row(scenario, world, phase, lane):
+    goals, edge = world.goals, _left_edge(scenario, world.fleet, lane)
+    for bay in range(scenario.num_havs):
+        agent = int(goals[bay, phase, HEADING, lane])
+        half = _half_bay(scenario, world.fleet, agent, lane)
+        goals[agent, phase, X, lane] = edge + half
+        goals[agent, phase, Y, lane] = (phase + 1) * scenario.aisle
+        edge += 2.0 * half
+    for agent in range(scenario.num_havs):
+        goals[agent, phase, HEADING, lane] = _AHEAD
+
+
+def check_yard(scenario: Yard) -> None:
+    """Check the parameters; raises ValueError with field, value and what is allowed."""
+    check_drawn(scenario)
+    require(scenario.aisle > 0, "scenario", scenario, "aisle", "above 0 m")
+    require_gap(scenario)
