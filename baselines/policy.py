@@ -6,9 +6,8 @@ from collections.abc import Callable
 import numpy as np
 
 from hav_env import Batch
-from hav_env.batch import LANES
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
-from hav_env.lanes import block_of, moving_block
+from hav_env.lanes import LANES, block_of, moving_block
 
 
 @generic

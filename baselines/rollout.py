@@ -8,7 +8,6 @@ import pyarrow as pa
 from baselines.metrics import tabulate
 from baselines.policy import act_all, allocate_memory, check_policy
 from hav_env import Batch, Task
-from hav_env.batch import LANES
 from hav_env.compiled import (
     VECTOR,
     canonical,
@@ -18,7 +17,7 @@ from hav_env.compiled import (
     rare_kernel,
     run_on_threads,
 )
-from hav_env.lanes import block_of, exchange_lanes, exchange_worlds
+from hav_env.lanes import LANES, block_of, exchange_lanes, exchange_worlds
 from hav_env.transition import ended, step
 from hav_env.vehicles import OnAxle
 from hav_env.world import FEW, allocate_worlds

@@ -5,8 +5,8 @@ import time
 import numpy as np
 
 from hav_env import Batch, OnAxle, RandomFleet, RandomPoses
-from hav_env.batch import LANES
 from hav_env.compiled import entry
+from hav_env.lanes import LANES
 from hav_env.vehicles import move
 
 _DT = 0.2  # [s]

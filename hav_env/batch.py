@@ -5,23 +5,26 @@ import numbers
 import numpy as np
 
 from hav_env.compiled import canonical, default_threads, entry, lanes_from
-from hav_env.lanes import block_of, view_of
+from hav_env.lanes import LANES, block_of, view_of
 from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import PlacementError, check_scenario
-from hav_env.task import Task, check_task
+from hav_env.task import END, Task, check_task
 from hav_env.transition import begin, step
 from hav_env.vehicles import OnAxle, check_vehicle
-from hav_env.world import STEP, World, allocate_worlds
+from hav_env.world import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds
 
 _FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
-LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
 
 
 @entry
-def begin_worlds(first, last, scenario, task, worlds, seed, episodes, placed):
-    """Start an episode in each of a range of worlds."""
+def begin_worlds(first, last, scenario, task, worlds, seeds, episodes, placed):
+    """Start an episode in each of a range of worlds but those where ``placed`` is true.
+
+    It becomes true where the scenario found room.
+    """
     for w in range(first, last):
-        placed[w] = begin(scenario, task, worlds, w, seed, episodes[w])
+        if not placed[w]:
+            placed[w] = begin(scenario, task, worlds, w, seeds[w], episodes[w])
 
 
 @entry
@@ -99,7 +102,7 @@ class Batch:
             self.scenario,
             self.task,
             self.worlds,
-            seed,
+            np.full(self.num_worlds, seed, np.int64),
             episodes,
             placed,
             threads=self.num_threads,
@@ -145,9 +148,14 @@ class Batch:
 
     @property
     def ended(self) -> np.ndarray:
-        """(W,) bool: the episode is over, by success or by time."""
-        state = self.worlds.state
-        return state.waiting.all(axis=0) | (state.clock[STEP] >= self.task.max_steps)
+        """(W,) bool: the episode is over: all last goals hit, an event that ends it, or time."""
+        state, first = self.worlds.state, self.worlds.record.first
+        over = state.waiting.all(axis=0) | (state.clock[STEP] >= self.task.max_steps)
+        if self.task.on_jackknife == END:
+            over |= (first[:, JACKKNIFE, WHEN] > 0).any(axis=0)
+        if self.task.on_collision == END:
+            over |= (first[:, ACTUAL, WHEN] > 0).any(axis=0)
+        return over
 
 
 def check_seed(seed: int) -> None:

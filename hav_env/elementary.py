@@ -27,6 +27,7 @@ _QUARTER_HIGH, _QUARTER_MIDDLE, _QUARTER_LOW = (
 _TAN_PI_8 = 0.41421356237309503
 _SMALLEST = 1e-300  # keeps 0 / 0 away
 _LOG2_E = 1.4426950408889634
+_SQRT_HALF_BITS = bits_of(math.sqrt(0.5))
 _LN_2_HIGH, _LN_2_LOW = 0.6931471805599453, 2.3190468138462996e-17  # ln 2 in 106 bits
 _EXP_LOW, _EXP_HIGH = -708.0, 709.0  # what still has a normal result
 
@@ -117,3 +118,24 @@ def exp(x):
     q = fma(q, z, 1.6666666666666669e-01)
     power = float_of((bits_of(shifted) - _ROUNDER_BITS + 1023) << 52)  # 2**doublings
     return power * (1.0 + fma(z, fma(r, q, p), r))
+
+
+@kernel
+def log(x):
+    """Return the natural logarithm of a positive normal number: within 1 ulp.
+
+    x is a power of two times 1 + f with f in [sqrt(1/2) - 1, sqrt(2) - 1]; there the polynomial is
+    fdlibm's.
+    """
+    doublings_bits = (bits_of(x) - _SQRT_HALF_BITS) >> 52
+    doublings = float_of(_ROUNDER_BITS + doublings_bits) - _ROUNDER
+    f = float_of(bits_of(x) - (doublings_bits << 52)) - 1.0
+    s = f / (2.0 + f)
+    z = s * s
+    w = z * z
+    p = fma(1.479819860511658591e-01, w, 1.818357216161805012e-01)
+    p = fma(fma(p, w, 2.857142874366239149e-01), w, 6.666666666666735130e-01)
+    q = fma(fma(1.531383769920937332e-01, w, 2.222219843214978396e-01), w, 3.999999999940941908e-01)
+    half_square = 0.5 * f * f
+    rest = fma(s, half_square + fma(z, p, w * q), doublings * _LN_2_LOW)
+    return fma(doublings, _LN_2_HIGH, f - (half_square - rest))

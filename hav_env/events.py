@@ -65,7 +65,11 @@ def jackknifed(articulation, limit):
 
 @kernel
 def record_motion(dt, world, agent):
-    """Record the driven path and the largest articulation, and look for the first jackknife."""
+    """Record the driven path and the largest articulation, and look for the first jackknife.
+
+    Returns:
+        In how many lanes the HAV may have jackknifed.
+    """
     state, total = world.state, world.record.total
     for lane in range(world.lanes):
         total[agent, PATH, lane] += state.speed[agent, lane] * dt
@@ -80,6 +84,7 @@ def record_motion(dt, world, agent):
         news += _may_jackknife(world, agent, lane)
     if news > 0:
         _record_jackknifes(world, agent)
+    return news
 
 
 @kernel
@@ -107,8 +112,12 @@ def _record_jackknifes(world, agent):
 
 @kernel
 def record_collisions(world):
-    """Record the first potential and the first actual collision of every HAV."""
-    num_havs = world.state.x.shape[0]
+    """Record the first potential and the first actual collision of every HAV.
+
+    Returns:
+        How many pairs of HAVs may have collided for the first time.
+    """
+    num_havs, all_news = world.state.x.shape[0], 0
     if num_havs <= FEW:
         for agent in range(num_havs):
             for other in range(agent + 1, num_havs):
@@ -117,6 +126,7 @@ def record_collisions(world):
                     news += _may_be_news(world, agent, other, lane)
                 if news > 0:
                     _record_pairs(world, agent, other)
+                all_news += news
     else:
         for lane in range(world.lanes):
             for agent in range(num_havs):
@@ -124,6 +134,8 @@ def record_collisions(world):
                     other = world.nearby.index[agent, k, lane]
                     if other > agent:  # a pair is looked at once
                         _record_pair(world, agent, other, lane)
+                        all_news += 1
+    return all_news
 
 
 @kernel
@@ -181,6 +193,12 @@ def goal_distance(state, agent, lane):
     dx = state.goal[agent, X, lane] - state.x[agent, lane]
     dy = state.goal[agent, Y, lane] - state.y[agent, lane]
     return math.sqrt(dx * dx + dy * dy)
+
+
+@kernel
+def goals_hit(world, agent, lane):
+    """Return how many goals a HAV has hit."""
+    return world.state.clock[PHASE, lane] + (1.0 if world.state.waiting[agent, lane] else 0.0)
 
 
 @rare_kernel

@@ -7,6 +7,7 @@ from hav_env.elementary import floor
 
 TWO_PI = 2.0 * math.pi
 TURNS_PER_RADIAN = 1.0 / TWO_PI
+_TINY = 1e-300  # keeps 0 / 0 away
 
 
 @kernel
@@ -25,6 +26,15 @@ def clip(value, low, high):
 def into_frame(dx, dy, cosine, sine):
     """Rotate a difference of positions [m] into the frame of a heading: (forward, left)."""
     return dx * cosine + dy * sine, dy * cosine - dx * sine
+
+
+@kernel
+def nearest_on_segment(ax, ay, bx, by, px, py):
+    """Return the point of the segment a-b that is nearest to p."""
+    dx, dy = bx - ax, by - ay
+    along = (px - ax) * dx + (py - ay) * dy
+    share = clip(along / max(dx * dx + dy * dy, _TINY), 0.0, 1.0)
+    return ax + share * dx, ay + share * dy
 
 
 @kernel

@@ -7,6 +7,8 @@ import numpy as np
 from hav_env.compiled import VECTOR, kernel, lanes_from, rare_kernel
 from hav_env.world import Fleet, Nearby, Record, State, World
 
+LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
+
 
 @kernel
 def block_of(worlds, first, lanes, units):

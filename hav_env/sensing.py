@@ -5,14 +5,18 @@ read the world through these functions alone: that is the decentralisation contr
 and it makes every policy indifferent to where in the plane the world lies.
 """
 
+import math
+
+from hav_env.collision import axle_behind, front_axle
 from hav_env.compiled import kernel
-from hav_env.geometry import into_frame, wrap
+from hav_env.geometry import into_frame, nearest_on_segment, wrap
 from hav_env.world import (
     ARTICULATION,
     COSINE,
     EPISODE,
     FOOTPRINT,
     HEADING,
+    PHASE,
     SEED,
     SINE,
     SPEED,
@@ -91,6 +95,19 @@ def goal_direction(world, agent, lane):
 
 
 @kernel
+def waits(world, agent, lane):
+    """Tell whether the HAV waits at the goal under way until the others have hit theirs."""
+    return world.state.waiting[agent, lane]
+
+
+@kernel
+def goals_left(world, agent, lane):
+    """Return how many goals the HAV has yet to hit."""
+    hit = world.state.clock[PHASE, lane] + (1 if world.state.waiting[agent, lane] else 0)
+    return world.goals.shape[1] - hit
+
+
+@kernel
 def num_neighbors(world, agent, lane):
     """Return how many other HAVs are in sensing range."""
     return world.nearby.count[agent, lane]
@@ -125,6 +142,15 @@ def neighbor_heading(world, agent, k, unit, lane):
 
 
 @kernel
+def neighbor_heading_direction(world, agent, k, lane):
+    """Return cosine and sine of the heading of neighbour ``k`` relative to the own truck's."""
+    state, other = world.state, world.nearby.index[agent, k, lane]
+    return into_truck_frame(
+        state, agent, lane, state.cosine[other, 0, lane], state.sine[other, 0, lane]
+    )
+
+
+@kernel
 def neighbor_footprint(world, agent, k, lane):
     """Return the footprint radius d_h [m] of neighbour ``k``."""
     return world.fleet.radius[world.nearby.index[agent, k, lane], FOOTPRINT, lane]
@@ -134,6 +160,35 @@ def neighbor_footprint(world, agent, k, lane):
 def neighbor_length(world, agent, k, unit, lane):
     """Return the length [m] of a unit of neighbour ``k``."""
     return world.fleet.length[world.nearby.index[agent, k, lane], unit, lane]
+
+
+@kernel
+def neighbor_trailers(world, agent, k, lane):
+    """Return how many trailers neighbour ``k`` pulls."""
+    return world.fleet.num_trailers[world.nearby.index[agent, k, lane], lane]
+
+
+@kernel
+def neighbor_articulation(world, agent, k, joint, lane):
+    """Return cosine and sine of an articulation of neighbour ``k``, as for the HAV itself."""
+    return articulation_direction(world, world.nearby.index[agent, k, lane], joint, lane)
+
+
+@kernel
+def neighbor_nearest_point(world, agent, k, lane):
+    """Return the point of the chain of neighbour ``k`` that is nearest: forward [m], left [m]."""
+    state, other = world.state, world.nearby.index[agent, k, lane]
+    x, y = state.x[agent, lane], state.y[agent, lane]
+    ax, ay = front_axle(world, other, lane)
+    least, nearest_x, nearest_y = math.inf, ax, ay
+    for unit in range(world.fleet.num_trailers[other, lane] + 1):
+        bx, by = axle_behind(world, other, unit, lane, ax, ay)
+        px, py = nearest_on_segment(ax, ay, bx, by, x, y)
+        squared = (px - x) * (px - x) + (py - y) * (py - y)
+        if squared < least:
+            least, nearest_x, nearest_y = squared, px, py
+        ax, ay = bx, by
+    return into_truck_frame(state, agent, lane, nearest_x - x, nearest_y - y)
 
 
 @kernel

@@ -1,7 +1,10 @@
-"""The rules of an episode: its clock, what counts as reaching a goal, how far a HAV senses."""
+"""The rules of an episode: its clock, what counts as reaching a goal, what ends it, sensing."""
 
 import math
-from typing import NamedTuple
+from typing import Literal, NamedTuple, get_args
+
+# what compiled code sees of a word: its place among those that are allowed
+REMOVE = END = 1
 
 
 class Task(NamedTuple):
@@ -18,6 +21,26 @@ class Task(NamedTuple):
     sensing_range: float = 30.0
     """A HAV senses another when the gap between their reaches is at most this [m]. The paper needs
     the collision distance only (0); more serves policies that look ahead."""
+    on_goal: Literal["park", "remove"] = "park"
+    """A HAV that has hit its last goal stays there, an obstacle to others, or leaves the world."""
+    on_jackknife: Literal["record", "end"] = "record"
+    """A jackknife is recorded and the episode goes on, or it ends the episode."""
+    on_collision: Literal["record", "end"] = "record"
+    """The same for an actual collision."""
+
+
+def set_rules(task: Task, **rules) -> Task:
+    """Return the task with other rules, checked: ``set_rules(Task(), on_goal="remove")``.
+
+    Raises:
+        TypeError: when there is no such rule; ValueError: when a value is not allowed.
+    """
+    unknown = sorted(set(rules) - set(Task._fields))
+    if unknown:
+        raise TypeError(f"unknown argument {unknown[0]!r}; rules are: {', '.join(Task._fields)}")
+    task = task._replace(**rules)
+    check_task(task)
+    return task
 
 
 def check_task(task: Task) -> None:
@@ -36,3 +59,7 @@ def check_task(task: Task) -> None:
         raise ValueError(
             f"task sensing_range is {task.sensing_range}, but must be finite and at least 0"
         )
+    for field in ("on_goal", "on_jackknife", "on_collision"):
+        value, allowed = getattr(task, field), get_args(Task.__annotations__[field])
+        if value not in allowed:
+            raise ValueError(f"task {field} is {value!r}, but must be {' or '.join(allowed)}")

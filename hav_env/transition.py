@@ -1,7 +1,7 @@
 """One step of a block of worlds: the whole decision process on one screen."""
 
 from hav_env.collision import enclose
-from hav_env.compiled import fixed, kernel
+from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.events import (
     assign_goal,
     clear_record,
@@ -13,8 +13,20 @@ from hav_env.geometry import clip
 from hav_env.lanes import block_of, moving_block
 from hav_env.neighborhood import find_nearby
 from hav_env.scenarios import populate
+from hav_env.task import END, REMOVE
 from hav_env.vehicles import move
-from hav_env.world import EPISODE, PHASE, SEED, SPEED, STEERING, STEP
+from hav_env.world import (
+    ACTUAL,
+    EPISODE,
+    JACKKNIFE,
+    OUTSIDE,
+    PHASE,
+    SEED,
+    SPEED,
+    STEERING,
+    STEP,
+    WHEN,
+)
 
 
 @kernel
@@ -48,25 +60,28 @@ def step(task, vehicle, world, speed, steering):
             waits at its goal stands, whatever its speed.
 
     Returns:
-        How many worlds may have ended: where a goal was hit, or time is up.
+        A number above 0 when worlds may have ended: time is up, a goal was hit, something
+        happened.
     """
-    num_havs, hits = world.state.x.shape[0], 0
-    late = _count_step(task, world)
+    num_havs, hits, events = world.state.x.shape[0], 0, 0
+    late_worlds = _count_step(task, world)
+    if task.on_goal == REMOVE:
+        _remove_arrived(world)
     for hav in range(num_havs):
         agent = fixed(hav)
         _command(world, agent, speed, steering)
         moving = moving_block(world, agent)
         move(vehicle, task.dt, moving, agent)
-        record_motion(task.dt, moving, agent)
+        events += record_motion(task.dt, moving, agent)
         hits += record_approach(task, moving, agent)
         if num_havs > 1:
             enclose(moving, agent)
     if num_havs > 1:
         find_nearby(task, world)
-        record_collisions(world)
+        events += record_collisions(world)
     if hits > 0:
         _begin_phases(world)
-    return late + hits
+    return late_worlds + hits + events
 
 
 @kernel
@@ -107,9 +122,27 @@ def _begin_phase(world, lane, phase):
         assign_goal(world, agent, lane)
 
 
+@rare_kernel
+def _remove_arrived(world):
+    """Take HAVs that wait at their last goals out of the world, each to a place of its own."""
+    state = world.state
+    for lane in range(world.lanes):
+        for agent in range(state.x.shape[0]):
+            if arrived(world, agent, lane) and state.x[agent, lane] < OUTSIDE:
+                state.x[agent, lane] = OUTSIDE * (agent + 1)
+                enclose(block_of(world, lane, 1, world.units), agent)
+
+
+@kernel
+def arrived(world, agent, lane):
+    """Tell whether a HAV has hit its last goal."""
+    last = world.state.clock[PHASE, lane] == world.goals.shape[1] - 1
+    return last & world.state.waiting[agent, lane]
+
+
 @kernel
 def all_wait(world, lane):
-    """Tell whether all HAVs of a world wait at their goals; after a step, at their last."""
+    """Tell whether all HAVs of a world wait at the goal under way."""
     for agent in range(world.state.x.shape[0]):
         if not world.state.waiting[agent, lane]:
             return False
@@ -117,6 +150,30 @@ def all_wait(world, lane):
 
 
 @kernel
+def terminated(task, world, agents, lane):
+    """Tell whether an episode is over for the first ``agents`` HAVs of a world.
+
+    It is when all of them have hit their last goals, or one of them had an accident that ends it.
+    HAVs that touch where the scenario put them (in the paper's pairs, one world of a thousand) had
+    none.
+    """
+    first, finished = world.record.first, True
+    for agent in range(agents):
+        jackknifed = first[agent, JACKKNIFE, WHEN, lane] > 0
+        collided = first[agent, ACTUAL, WHEN, lane] > 0
+        if (task.on_jackknife == END and jackknifed) or (task.on_collision == END and collided):
+            return True
+        finished = finished and arrived(world, agent, lane)
+    return finished
+
+
+@kernel
+def late(task, world, lane):
+    """Tell whether time is up."""
+    return world.state.clock[STEP, lane] >= task.max_steps
+
+
+@kernel
 def ended(task, world, lane):
-    """Tell whether an episode is over: all last goals hit, or time is up."""
-    return world.state.clock[STEP, lane] >= task.max_steps or all_wait(world, lane)
+    """Tell whether an episode is over: terminated, or time is up."""
+    return late(task, world, lane) or terminated(task, world, world.state.x.shape[0], lane)

@@ -40,6 +40,7 @@ class State(NamedTuple):
 AHEAD_SPEED, AHEAD_COSINE, AHEAD_SINE = range(3)
 X, Y, HEADING, COSINE, SINE, DISTANCE = range(6)  # of a goal [m, m, rad]; how far it is [m]
 STEP, PHASE, SEED, EPISODE = range(4)  # steps done; goal under way; the key of the episode
+OUTSIDE = 1e7  # [m] a HAV that was removed from the world stands at this x or beyond
 
 
 class Fleet(NamedTuple):

@@ -7,6 +7,7 @@ import os
 import pathlib
 import tempfile
 import threading
+import typing
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -20,7 +21,7 @@ VECTOR = 16  # lanes to work on whole vectors: worlds are shared out in such por
 _SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
 
 
-def entry(function: Callable) -> Callable:
+def entry(function: Callable) -> Any:
     """Make ``loop(first, last, *args)`` over worlds callable as ``loop(count, *args)``.
 
     The loop is compiled at its first call, once models are registered, and kept on disk under the
@@ -28,6 +29,10 @@ def entry(function: Callable) -> Callable:
     out evenly among ``threads`` (default: ``default_threads()``). The threads are Python's and the
     loop is serial and free of the GIL: Numba's ``prange`` loses writes to fields of tuples
     (numba#7135) and does not survive a fork.
+
+    ``loop.prepare(*args)`` returns the same as a function of ``(count, *args, threads=...)`` that
+    no longer looks at the types of its arguments, which takes longer than to step one world. They
+    must be the same from then on, arrays in number of axes, order and type of their elements too.
     """
     note_sources(function)
     compiled: dict[frozenset, Callable] = {}
@@ -39,15 +44,30 @@ def entry(function: Callable) -> Callable:
             compiled[known] = _cached(function, known)
         loop = compiled[known]
         _ensure_compiled(loop, function.__name__, args)
-        threads = threads or default_threads()
-        share = -(-count // (threads * VECTOR)) * VECTOR
-        if count <= share:
-            loop(0, count, *args)
-            return
-        spans = [(first, min(first + share, count)) for first in range(0, count, share)]
-        run_on_threads(lambda span: loop(*span, *args), spans, threads)
+        _share_out(loop, count, args, threads or default_threads())
 
+    def prepare(*args: Any) -> Callable[..., None]:
+        call(0, *args, threads=1)
+        loop = compiled[frozenset(sources)]
+        if hasattr(loop, "compile"):
+            loop = loop.compile(_signature(args))
+        return lambda count, *args, threads: _share_out(loop, count, args, threads)
+
+    call.prepare = prepare  # type: ignore[attr-defined]
     return call
+
+
+def _share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
+    share = -(-count // (threads * VECTOR)) * VECTOR
+    if count <= share:
+        loop(0, count, *args)
+        return
+    spans = [(first, min(first + share, count)) for first in range(0, count, share)]
+    run_on_threads(lambda span: loop(*span, *args), spans, threads)
+
+
+def _signature(args: tuple) -> tuple:
+    return numba.int64, numba.int64, *map(numba.typeof, args)
 
 
 def run_on_threads(function: Callable, items: Iterable, threads: int | None = None) -> list:
@@ -70,18 +90,21 @@ def run_on_threads(function: Callable, items: Iterable, threads: int | None = No
 
 
 def canonical(model: Any) -> Any:
-    """Return a model whose ``float`` fields are floats, and those of the models in it.
+    """Return a model as compiled code takes it.
 
-    An int is another type, compiled anew.
+    Its ``float`` fields are floats (an int is another type, compiled anew), and words that a
+    ``Literal`` allows are their places in it.
     """
     kinds = type(model).__annotations__
-    changed = {}
-    for field, value in model._asdict().items():
-        if hasattr(value, "_asdict"):
-            changed[field] = canonical(value)
-        elif kinds[field] is float:
-            changed[field] = float(value)
-    return model._replace(**changed)
+    return model._replace(**{f: _canonical_value(kinds[f], v) for f, v in model._asdict().items()})
+
+
+def _canonical_value(kind: Any, value: Any) -> Any:
+    if hasattr(value, "_asdict"):
+        return canonical(value)
+    if typing.get_origin(kind) is typing.Literal and isinstance(value, str):
+        return typing.get_args(kind).index(value)
+    return float(value) if kind is float else value
 
 
 def default_threads() -> int:
@@ -136,7 +159,7 @@ def _ensure_compiled(loop: Any, name: str, args: tuple) -> None:
         notice.daemon = True
         notice.start()
         try:
-            loop.compile((numba.int64, numba.int64, *map(numba.typeof, args)))
+            loop.compile(_signature(args))
         finally:
             notice.cancel()
         _ready.add(kinds)

@@ -169,7 +169,8 @@ def populate_explicit(scenario, world, lane):
     fleet = world.fleet
     for agent in range(scenario.num_havs):
         fleet.num_trailers[agent, lane] = scenario.num_trailers[agent]
-        for unit in range(scenario.length.shape[1]):
+        fleet.length[agent, :, lane] = math.inf
+        for unit in range(scenario.num_trailers[agent] + 1):
             fleet.length[agent, unit, lane] = scenario.length[agent, unit]
         set_limits(scenario, fleet, agent, lane)
         derive_radii(fleet, agent, lane, 0.0)
