@@ -1,6 +1,12 @@
 """Swarms of Heavy Articulated Vehicles: trucks that pull one to ten trailers to goal poses."""
 
+import gymnasium
+import pettingzoo
+
 from hav_env.batch import Batch
+from hav_env.hav_swarm_v0 import env, parallel_env
+from hav_env.observation import Observation
+from hav_env.reward import Reward
 from hav_env.scenarios import (
     Column,
     Crossing,
@@ -23,13 +29,27 @@ __all__ = [
     "Column",
     "Crossing",
     "Explicit",
+    "Observation",
     "OnAxle",
     "PlacementError",
     "RandomFleet",
     "RandomPoses",
+    "Reward",
     "Task",
     "Yard",
+    "env",
     "explicit",
     "find_scenario",
     "load_explicit",
+    "parallel_env",
 ]
+
+for _name in ("HAVSwarm", "HAVSingle"):
+    gymnasium.register(
+        id=f"{_name}-v0",
+        entry_point=f"hav_env.gym_env:{_name}Env",
+        vector_entry_point=f"hav_env.vector_env:{_name}VectorEnv",
+    )
+if hasattr(pettingzoo, "register"):  # from 1.27 on
+    pettingzoo.register("parallel", "hav/swarm-v0", "hav_env.hav_swarm_v0:parallel_env")
+    pettingzoo.register("aec", "hav/swarm-v0", "hav_env.hav_swarm_v0:env")

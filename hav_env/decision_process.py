@@ -1,0 +1,184 @@
+"""The decision process that learners see: actions in; observations, rewards, ends, reports out.
+
+Every environment is a face of it; a single environment is a decision process of one world.
+"""
+
+from typing import Any, TypedDict
+
+import numpy as np
+
+from hav_env.advance import Between, Outcome, advance_worlds, look_at_worlds
+from hav_env.batch import Batch, begin_worlds, check_placed
+from hav_env.compiled import VECTOR, canonical, default_threads
+from hav_env.lanes import LANES
+from hav_env.observation import (
+    ROUTE_SIZE,
+    Observation,
+    check_observation,
+    name_columns,
+    settle,
+)
+from hav_env.others import driver_of
+from hav_env.report import REPORT
+from hav_env.reward import BEFORE_SIZE, Reward, check_reward
+from hav_env.scenarios.presets import scenario_of
+from hav_env.task import Task, set_rules
+from hav_env.vehicles import OnAxle
+
+_FEWEST = 1_024  # HAVs for which it is worth to wake a thread
+
+
+class Settings(TypedDict, total=False):
+    """The arguments of ``DecisionProcess`` that all environments take."""
+
+    scenario: Any
+    num_havs: int | None
+    task: Task
+    vehicle: Any
+    observation: Observation
+    reward: Any
+    frame_skip: int
+    threads: int | None
+
+
+class DecisionProcess:
+    """W worlds, in each of which the first C of N HAVs are controlled.
+
+    Attributes:
+        batch: the worlds.
+        columns: names of the columns of an observation.
+        info: names of the numbers that are reported of each HAV.
+    """
+
+    def __init__(
+        self,
+        num_worlds: int = 1,
+        controlled: int | None = None,
+        others: Any = None,
+        *,
+        scenario: Any = "paper-pair",
+        num_havs: int | None = None,
+        task: Task = Task(),
+        vehicle: Any = OnAxle(),
+        observation: Observation = Observation(),
+        reward: Any = Reward(),
+        frame_skip: int = 1,
+        threads: int | None = None,
+        **rules: Any,
+    ) -> None:
+        """Allocate the worlds; they are empty until ``reset``.
+
+        Args:
+            num_worlds: W.
+            controlled: C, all HAVs by default.
+            others: the policy that drives the other HAVs, or its name; without one they stand.
+            scenario: its name or a model; num_havs: N, if it is to be another than the scenario's.
+            task, vehicle: the rules and the kinematics.
+            observation, reward: what learners see, and what they get.
+            frame_skip: for how many steps of the simulator an action is held.
+            threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
+            rules: rules of the task that are to be others: ``max_steps``, ``on_goal``, ...
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        scenario = scenario_of(scenario, num_havs)
+        check_observation(observation)
+        check_reward(reward)
+        if not isinstance(frame_skip, int) or frame_skip < 1:
+            raise ValueError(f"frame_skip is {frame_skip}, but must be a whole number >= 1")
+        self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
+        n, w = scenario.num_havs, num_worlds
+        c = n if controlled is None else controlled
+        self.num_controlled, self.num_havs, self.num_worlds = c, n, w
+        self.frame_skip = frame_skip
+        self.observation = settle(observation, n)
+        self.columns = name_columns(self.observation, scenario.max_trailers)
+        self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
+        self._driver = None if others is None or c == n else driver_of(others, self.batch)
+        self._models = self.batch.task, self.batch.vehicle, canonical(reward), self.observation
+        ranges = -(-w // VECTOR)
+        self._between = Between(
+            np.zeros((2, n, w)),
+            np.zeros((c, w)),
+            np.zeros((c, BEFORE_SIZE, w)),
+            np.zeros((c, ROUTE_SIZE, w)),
+            np.zeros((len(reward), c, w)),
+            np.zeros((ranges, len(self.columns), LANES), np.float32),
+        )
+        self._advance: Any = None
+        self._threads = min(threads or default_threads(), max(1, c * w // _FEWEST))
+
+    def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
+        """Begin episodes in the worlds that are chosen.
+
+        Args:
+            seeds, episodes: (W,) int64; those of the chosen worlds count.
+            chosen: (W,) bool.
+
+        Raises:
+            PlacementError: when a world has no room for its HAVs.
+        """
+        placed = ~chosen
+        begin_worlds(
+            self.num_worlds,
+            self.batch.scenario,
+            self.batch.task,
+            self.batch.worlds,
+            seeds,
+            episodes,
+            placed,
+            threads=self._threads,
+        )
+        check_placed(placed, self.batch.scenario)
+        self._between.returns[..., chosen] = 0.0
+        if self._driver is not None:
+            self._driver.forget(chosen)
+
+    def look(self, chosen: np.ndarray, told: Outcome) -> None:
+        """Tell what is seen in the worlds (W,) that are chosen, whose episodes have just begun.
+
+        Rewards are zero, and nothing has ended.
+        """
+        look_at_worlds(
+            self.num_worlds,
+            self.observation,
+            self.batch.worlds,
+            self._between,
+            chosen,
+            told,
+            threads=self._threads,
+        )
+        told.numbers[len(REPORT) : -1, :, chosen] = self._between.returns[..., chosen]
+        told.numbers[-1, :, chosen] = 0.0
+        told.ends[:, chosen] = False
+
+    def step(self, actions: np.ndarray) -> Outcome:
+        """Take one action in every world.
+
+        Args:
+            actions: (W, C, 2) speed and steering from -1 to 1, finite float64, contiguous.
+        """
+        told = self.outcome()
+        if self._driver is None:
+            self._take(actions, (1, self.frame_skip, 1), told)
+            return told
+        for k in range(self.frame_skip):
+            self._between.command[:] = self._driver.decide()
+            self._take(actions, (int(k == 0), 1, int(k == self.frame_skip - 1)), told)
+        return told
+
+    def _take(self, actions: np.ndarray, part: tuple[int, int, int], told: Outcome) -> None:
+        args = *self._models, self.batch.worlds, self._between, actions, part, told
+        if self._advance is None:
+            self._advance = advance_worlds.prepare(*args)
+        self._advance(self.num_worlds, *args, threads=self._threads)
+
+    def outcome(self) -> Outcome:
+        """Return arrays for an outcome; what is in them means nothing yet."""
+        c, w = self.num_controlled, self.num_worlds
+        return Outcome(
+            np.empty((w, c, len(self.columns)), np.float32),
+            np.empty((len(self.info) + 1, c, w)),
+            np.empty((2, w), np.bool_),
+        )

@@ -1,0 +1,138 @@
+"""Gymnasium's single environments: HAVSwarm-v0, all HAVs as one actor; HAVSingle-v0, one HAV."""
+
+from typing import Any, Unpack
+
+import gymnasium as gym
+import numpy as np
+
+from hav_env.advance import TERMINATED, TRUNCATED, Outcome
+from hav_env.decision_process import Settings
+from hav_env.screen import RENDER_FPS, RENDER_MODES
+from hav_env.single_world import SingleWorld
+from hav_env.views import EgoView, JointView, Team
+
+
+class _WorldEnv(gym.Env):
+    """What both environments share."""
+
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
+
+    def __init__(self, world: SingleWorld, view: JointView | EgoView) -> None:
+        self._world, self._view = world, view
+        self.render_mode = world.screen.render_mode
+        self.observation_space, self.action_space = view.observation_space, view.action_space
+        self._joint = 1, world.process.num_controlled, 2
+
+    def reset(
+        self, *, seed: int | None = None, options: dict | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode; ``options`` as for ``SingleWorld.reset``."""
+        super().reset(seed=seed)
+        told = self._world.reset(seed, options, self.np_random)
+        self._show()
+        return self._view.observations(told.observation)[0], self._info(told)
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Take an action.
+
+        Raises:
+            ValueError: when its shape is wrong or a number is not finite.
+            RuntimeError: before the first ``reset``.
+        """
+        actions = np.array(action, float)
+        if actions.shape != self.action_space.shape:
+            raise ValueError(
+                f"the action has shape {actions.shape}, but must have {self.action_space.shape}"
+            )
+        told = self._world.step(actions.reshape(self._joint))
+        self._show()
+        view = self._view
+        return (
+            view.observations(told.observation)[0],
+            view.reward(told.numbers[-1, :, 0].tolist()),
+            bool(told.ends[TERMINATED, 0]),
+            bool(told.ends[TRUNCATED, 0]),
+            self._info(told),
+        )
+
+    def _info(self, told: Outcome) -> dict[str, Any]:
+        raise NotImplementedError
+
+    def _show(self) -> None:
+        if self.render_mode == "human":
+            self._world.screen.show()
+
+    def render(self) -> Any:
+        """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window)."""
+        return self._world.screen.show()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._world.screen.close()
+
+
+class HAVSwarmEnv(_WorldEnv):
+    """All HAVs of a world under joint control, the paper's pair by default.
+
+    Observation (N, D), columns as in docs/observation.md; action (N, 2): speed from 0 to maximum
+    and steering from right to left, each from -1 to 1; reward: one number. Info: arrays (N,). For
+    agents that learn one by one: ``hav_env.parallel_env`` and ``train.sb3_env``.
+    """
+
+    def __init__(
+        self,
+        render_mode: str | None = None,
+        team_reward: Team = "mean",
+        flatten: bool = False,
+        **settings: Unpack[Settings],
+    ) -> None:
+        """Build the environment.
+
+        Args:
+            render_mode: None, "human", "rgb_array" or "ansi".
+            team_reward: how the HAVs' rewards become one: "mean", "sum" or "min".
+            flatten: spaces with one axis, (N * D,) and (N * 2,).
+            settings: as of ``hav_env.decision_process.DecisionProcess``: scenario, num_havs, task,
+                its rules, vehicle, observation, reward, frame_skip.
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        world = SingleWorld(render_mode, **settings)
+        super().__init__(world, JointView(world.process, team_reward, flatten))
+
+    def _info(self, told: Outcome) -> dict[str, Any]:
+        return dict(zip(self._world.process.info, told.numbers[:-1, :, 0], strict=True))
+
+
+class HAVSingleEnv(_WorldEnv):
+    """One HAV, alone by default: the paper's single-HAV task.
+
+    Observation (D,), action (2,), columns and units as of ``HAVSwarmEnv``. Info: numbers. Among
+    others (``num_havs``), the episode ends when this HAV has hit its last goal; goals change when
+    all HAVs have hit the one under way.
+    """
+
+    def __init__(
+        self,
+        render_mode: str | None = None,
+        others: Any = None,
+        **settings: Unpack[Settings],
+    ) -> None:
+        """Build the environment.
+
+        Args:
+            render_mode: None, "human", "rgb_array" or "ansi".
+            others: the policy that drives the other HAVs: its name ("avoid_jack") or an object;
+                without one they stand.
+            settings: as of ``hav_env.decision_process.DecisionProcess``.
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        settings.setdefault("scenario", "paper-single")
+        world = SingleWorld(render_mode, controlled=1, others=others, **settings)
+        super().__init__(world, EgoView(world.process))
+
+    def _info(self, told: Outcome) -> dict[str, Any]:
+        return dict(zip(self._world.process.info, told.numbers[:-1, 0, 0].tolist(), strict=True))

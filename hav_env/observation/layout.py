@@ -1,0 +1,126 @@
+"""The columns of a row: their names, their order, their scales and bounds."""
+
+import math
+from typing import NamedTuple
+
+from hav_env.compiled import kernel
+from hav_env.elementary import log
+from hav_env.geometry import clip
+
+LENGTH_UNIT, MOST_UNITS = 10.0, 10.0  # of the lengths of units [m]; where they are cut
+FARTHEST = 1e4  # [m], where distances are cut
+SPEED_UNIT = 10.0  # [m/s], where speeds are cut
+_PER_LOGARITHM = 1.0 / math.log(1.0 + FARTHEST)
+_TINY = 1e-12  # [m], keeps the direction to a point at the same place finite
+
+OWN = (
+    "waits",
+    "goals_left",
+    "speed_max",
+    "steering_max",
+    "articulation_max",
+    "stable_radius",
+    "footprint_radius",
+    "goal_distance",
+    "goal_bearing_cosine",
+    "goal_bearing_sine",
+    "goal_heading_cosine",
+    "goal_heading_sine",
+    "approach_distance",
+    "approach_bearing_cosine",
+    "approach_bearing_sine",
+    "goal_path_turn",
+    "goal_path_first",
+    "goal_path_whole",
+    "approach_path_turn",
+    "approach_path_first",
+    "approach_path_whole",
+)
+WAITS, GOALS_LEFT, SPEED_MAX, STEERING_MAX, ARTICULATION_MAX, STABLE, FOOTPRINT = range(7)
+GOAL, GOAL_HEADING, APPROACH, PATHS, UNITS = 7, 10, 12, 15, 21  # where each group begins
+NEIGHBOR = (
+    "present",
+    "distance",
+    "bearing_cosine",
+    "bearing_sine",
+    "heading_cosine",
+    "heading_sine",
+    "footprint_radius",
+    "clearance",
+    "truck_length",
+    "chain_distance",
+    "chain_bearing_cosine",
+    "chain_bearing_sine",
+)
+PRESENT, PLACE, RELATIVE_HEADING, OTHER_FOOTPRINT, CLEARANCE, TRUCK, NEAREST, CHAIN = (
+    *(0, 1, 4, 6),
+    *(7, 8, 9, 12),
+)
+
+
+class Observation(NamedTuple):
+    """How much of its surroundings a learner sees."""
+
+    neighbors: int = 4
+    """K, of how many HAVs in sensing range, nearest first; never more than there are others."""
+    chains: bool = False
+    """Add the lengths and articulations of the neighbours' trailers."""
+
+
+def check_observation(observation: Observation) -> None:
+    """Raise ValueError unless the number of neighbours is a whole number that is not negative."""
+    neighbors = observation.neighbors
+    if not isinstance(neighbors, int) or neighbors < 0:
+        raise ValueError(f"observation neighbors is {neighbors}, but must be a whole number >= 0")
+
+
+def settle(observation: Observation, num_havs: int) -> Observation:
+    """Return the observation with no more neighbours than there are."""
+    return observation._replace(neighbors=min(observation.neighbors, num_havs - 1))
+
+
+def name_columns(observation: Observation, max_trailers: int) -> tuple[str, ...]:
+    """Return the names of the columns of a settled observation, in their order."""
+    joints = range(1, max_trailers + 1)
+    bends = [f"articulation_{part}_{j}" for part in ("cosine", "sine") for j in joints]
+    names = [*OWN, *(f"length_{unit}" for unit in range(max_trailers + 1)), *bends]
+    for k in range(observation.neighbors):
+        chain = [*(f"length_{j}" for j in joints), *bends] if observation.chains else []
+        names += [f"neighbor_{k}_{name}" for name in (*NEIGHBOR, *chain)]
+    return tuple(names)
+
+
+def bounds_of(name: str) -> tuple[float, float]:
+    """Return the least and the greatest value of a column."""
+    if "length" in name:
+        return 0.0, MOST_UNITS
+    signed = "cosine" in name or "sine" in name or name.endswith(("_turn", "_clearance"))
+    return -1.0 if signed else 0.0, 1.0
+
+
+@kernel
+def scale_distance(distance):
+    """Return ln(1 + d / 1 m) / ln(1 + 10 km / 1 m), cut to 1: 1 m and 300 m both tell."""
+    return min(log(1.0 + distance) * _PER_LOGARITHM, 1.0)
+
+
+@kernel
+def scale_length(length):
+    """Return the length of a unit in 10 m, cut to 10."""
+    return min(length * (1.0 / LENGTH_UNIT), MOST_UNITS)
+
+
+@kernel
+def write_place(columns, column, lane, forward, left):
+    """Write distance, cosine and sine of the bearing of a point [m]."""
+    distance = math.sqrt(forward * forward + left * left)
+    per_distance = 1.0 / max(distance, _TINY)
+    columns[column, lane] = scale_distance(distance)
+    write_direction(columns, column + 1, lane, forward * per_distance, left * per_distance)
+
+
+@kernel
+def write_direction(columns, column, lane, cosine, sine):
+    """Write a cosine and a sine, which rounding may have brought beyond 1."""
+    columns[column, lane] = clip(cosine, -1.0, 1.0)
+    columns[column + 1, lane] = clip(sine, -1.0, 1.0)

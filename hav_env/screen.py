@@ -1,0 +1,59 @@
+"""Where environments show their worlds: pygame is loaded when something is drawn, not before."""
+
+from typing import Any
+
+import numpy as np
+
+from hav_env.batch import Batch
+
+RENDER_MODES = ["human", "rgb_array", "ansi"]
+RENDER_FPS = 30
+
+
+class Screen:
+    """Shows the worlds of a batch in one mode, with a viewer for each that is asked for."""
+
+    def __init__(
+        self, render_mode: str | None, batch: Batch, modes: list[str] = RENDER_MODES
+    ) -> None:
+        """Show nothing yet.
+
+        Raises:
+            ValueError: when the mode is not None or one of ``modes``.
+        """
+        if render_mode is not None and render_mode not in modes:
+            known = ", ".join(modes)
+            raise ValueError(f"render_mode is {render_mode!r}, but must be None or one of {known}")
+        self.render_mode, self._batch = render_mode, batch
+        self._viewers: dict[int, Any] = {}
+
+    def show(self, w: int = 0) -> np.ndarray | str | None:
+        """Return what is seen of a world: an array (H, W, 3), a line of text, or None (a window).
+
+        Raises:
+            ImportError: when pygame-ce is missing.
+        """
+        if self.render_mode is None:
+            return None
+        from hav_env.rendering.scene import describe, scene_of  # noqa: PLC0415  (see above)
+
+        scene = scene_of(self._batch.worlds, w, self._batch.task.dt)
+        if self.render_mode == "ansi":
+            return describe(scene)
+        if w not in self._viewers:
+            from hav_env.rendering.viewer import Viewer  # noqa: PLC0415
+
+            self._viewers[w] = Viewer(self.render_mode, frames_per_second=RENDER_FPS)
+        return self._viewers[w].draw(scene)
+
+    def forget(self, worlds: np.ndarray) -> None:
+        """Begin anew in the worlds (W,) that are true: no trails of the episode before."""
+        for w, viewer in self._viewers.items():
+            if worlds[w]:
+                viewer.forget()
+
+    def close(self) -> None:
+        """Close all windows."""
+        for viewer in self._viewers.values():
+            viewer.close()
+        self._viewers.clear()

@@ -1,0 +1,128 @@
+"""One world for environments that step one: its episodes, what may be written into it, pictures."""
+
+import numbers
+import warnings
+from typing import Any
+
+import numpy as np
+
+from hav_env.advance import Outcome
+from hav_env.batch import check_seed
+from hav_env.decision_process import DecisionProcess
+from hav_env.randomness import SEED_LIMIT
+from hav_env.scenarios import explicit
+from hav_env.screen import Screen
+from hav_env.transition import begin
+from hav_env.world import ARTICULATION, SPEED, STEERING
+
+_HERE = np.ones(1, np.bool_)
+_OPTIONS = ("episode", "lengths", "start", "goals")
+
+
+class SingleWorld:
+    """A decision process of one world.
+
+    The first episode of seed s is number 0 of that seed, the next one number 1, and so on: the
+    pair (s, k) names the same episode as in a rollout.
+    """
+
+    def __init__(self, render_mode: str | None, **arguments: Any) -> None:
+        """Build the world.
+
+        Args:
+            render_mode: how the screen shows it.
+            arguments: as of ``DecisionProcess``.
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        self.process = DecisionProcess(1, **arguments)
+        self.screen = Screen(render_mode, self.process.batch)
+        self._key: tuple[int, int] | None = None
+
+    def reset(
+        self, seed: int | None, options: dict | None, generator: np.random.Generator
+    ) -> Outcome:
+        """Begin an episode.
+
+        Args:
+            seed: begins with the first episode of this seed; None goes on to the next one.
+            options: "episode": its number. "lengths", "start", "goals": as for ``explicit``, what
+                is to be instead of what the scenario drew. Others are ignored, with a warning.
+            generator: draws the seed when none was ever given.
+
+        Raises:
+            ValueError: naming what is wrong with seed or options.
+        """
+        options = dict(options or {})
+        for name in sorted(set(options) - set(_OPTIONS), key=str):
+            known = ", ".join(_OPTIONS)
+            warnings.warn(f"reset ignores the option {name!r}; known: {known}", stacklevel=3)
+        self._key = self._next_key(seed, options.get("episode"), generator)
+        told = self.process.outcome()
+        keys = np.array([self._key], np.int64).T
+        self.process.begin(keys[0], keys[1], _HERE)
+        written = {name: options[name] for name in ("lengths", "start", "goals") if name in options}
+        if written:
+            self._write(written, self._key)
+        self.process.look(_HERE, told)
+        self.screen.forget(_HERE)
+        return told
+
+    def step(self, actions: np.ndarray) -> Outcome:
+        """Take an action (1, C, 2).
+
+        Raises:
+            RuntimeError: before the first ``reset``; ValueError: when a number is not finite.
+        """
+        if self._key is None:
+            raise RuntimeError("call reset before step: there is no episode yet")
+        if not np.isfinite(actions).all():
+            raise ValueError(f"the action {actions[0].tolist()} holds a number that is not finite")
+        return self.process.step(actions)
+
+    def _next_key(
+        self, seed: int | None, episode: int | None, generator: np.random.Generator
+    ) -> tuple[int, int]:
+        if seed is not None:
+            check_seed(seed)
+            key = int(seed), 0
+        elif self._key is None:
+            key = int(generator.integers(SEED_LIMIT)), 0
+        else:
+            key = self._key[0], self._key[1] + 1
+        if episode is None:
+            return key
+        if not isinstance(episode, numbers.Integral) or not 0 <= episode < SEED_LIMIT:
+            raise ValueError(f"episode is {episode!r}, but must be from 0 to {SEED_LIMIT - 1}")
+        return key[0], int(episode)
+
+    def _write(self, written: dict[str, Any], key: tuple[int, int]) -> None:
+        """Begin the episode anew with other lengths, start poses or goals."""
+        batch, scenario = self.process.batch, self.process.batch.scenario
+        state, fleet, goals = batch.worlds.state, batch.worlds.fleet, batch.worlds.goals
+        drawn = {
+            "lengths": [
+                fleet.length[agent, : fleet.num_trailers[agent, 0] + 1, 0].tolist()
+                for agent in range(scenario.num_havs)
+            ],
+            "start": np.stack([state.x[:, 0], state.y[:, 0], state.heading[:, 0, 0]], axis=-1),
+            "goals": goals[..., 0],
+        }
+        limit = fleet.limit[0, :, 0]
+        found = explicit(
+            **drawn | written,
+            speed_max=limit[SPEED],
+            steering_max=limit[STEERING],
+            articulation_max=limit[ARTICULATION],
+        )
+        for field, name in (("num_havs", "HAVs"), ("num_goals", "goals of each HAV")):
+            if getattr(found, field) != getattr(scenario, field):
+                least = getattr(scenario, field)
+                raise ValueError(f"reset got {getattr(found, field)} {name}, but needs {least}")
+        if found.max_trailers > scenario.max_trailers:
+            raise ValueError(
+                f"reset got a HAV with {found.max_trailers} trailers, but this environment has"
+                f" room for {scenario.max_trailers}"
+            )
+        begin(found, batch.task, batch.worlds, 0, *key)

@@ -1,0 +1,140 @@
+"""The swarm for Stable-Baselines3: every HAV of every world is a row, all rows share one policy."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Unpack
+
+import numpy as np
+from stable_baselines3.common.vec_env import VecEnv
+
+from hav_env.advance import TERMINATED, TRUNCATED
+from hav_env.decision_process import DecisionProcess, Settings
+from hav_env.randomness import SEED_LIMIT
+from hav_env.screen import RENDER_FPS, Screen
+from hav_env.views import action_box, observation_box
+
+
+class HAVVecEnv(VecEnv):
+    """W worlds of N HAVs as W x N environments; row w N + k is HAV k of world w.
+
+    The rows of a world end together and begin the next episode at once. At the end of an episode,
+    and only then, a row's info holds the numbers of ``hav_env.report`` and the returns by term,
+    beside ``terminal_observation`` and ``TimeLimit.truncated``: a time-out is no failure, so its
+    value goes on.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": RENDER_FPS}  # noqa: RUF012
+
+    def __init__(
+        self,
+        num_worlds: int = 1,
+        render_mode: str | None = None,
+        **settings: Unpack[Settings],
+    ) -> None:
+        """Build the worlds.
+
+        Args:
+            num_worlds: W.
+            render_mode: None or "rgb_array".
+            settings: as of ``hav_env.decision_process.DecisionProcess``: scenario, num_havs, task,
+                its rules, vehicle, observation, reward, frame_skip.
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        self.process = DecisionProcess(num_worlds, **settings)
+        self.screen = Screen(render_mode, self.process.batch, ["rgb_array"])
+        self.render_mode = render_mode
+        self._keys = np.zeros((2, num_worlds), np.int64)  # seed and number of the episodes
+        self._begun = False
+        self._actions = np.zeros((num_worlds, self.process.num_havs, 2))
+        rows = num_worlds * self.process.num_havs
+        super().__init__(rows, observation_box(self.process), action_box())
+
+    def reset(self) -> np.ndarray:
+        """Begin an episode in every world; return what is seen, (rows, D).
+
+        After ``seed`` it is the first episode of each world's seed, otherwise the next one.
+        """
+        seeds = self._seeds[:: self.process.num_havs]
+        if seeds[0] is not None:
+            self._keys[0], self._keys[1] = np.array(seeds) % SEED_LIMIT, 0
+        elif self._begun:
+            self._keys[1] += 1
+        else:
+            self._keys[0] = np.random.default_rng().integers(SEED_LIMIT, size=self._keys.shape[1])
+        self._begun = True
+        self._reset_seeds()
+        self._reset_options()
+        told = self.process.outcome()
+        self._begin(np.ones(self.process.num_worlds, np.bool_), told)
+        self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        return told.observation.reshape(self.num_envs, -1)
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Take note of the actions (rows, 2)."""
+        actions = np.array(actions, float)
+        if actions.shape != (self.num_envs, 2):
+            shape = actions.shape
+            raise ValueError(f"the actions have shape {shape}, but must have ({self.num_envs}, 2)")
+        if not np.isfinite(actions).all():
+            raise ValueError("the actions hold a number that is not finite")
+        self._actions = actions.reshape(self._actions.shape)
+
+    def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
+        """Take the actions; return observations, rewards, ends and infos of all rows."""
+        if not self._begun:
+            raise RuntimeError("call reset before step: there are no episodes yet")
+        told = self.process.step(self._actions)
+        rewards = told.numbers[-1].T.astype(np.float32).reshape(-1)
+        ended = told.ends[TERMINATED] | told.ends[TRUNCATED]
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        if ended.any():
+            for w in np.flatnonzero(ended).tolist():
+                self._sum_up(told, w, infos)
+            self._keys[1, ended] += 1
+            self._begin(ended, told)
+        dones = np.repeat(ended, self.process.num_havs)
+        return told.observation.reshape(self.num_envs, -1), rewards, dones, infos
+
+    def _sum_up(self, told: Any, w: int, infos: list[dict[str, Any]]) -> None:
+        """Write what is to be said of the episode that ended in a world."""
+        rows = told.numbers[:-1, :, w].T.tolist()
+        for k, row in enumerate(rows, w * self.process.num_havs):
+            infos[k] = dict(zip(self.process.info, row, strict=True))
+            infos[k]["TimeLimit.truncated"] = bool(told.ends[TRUNCATED, w])
+            infos[k]["terminal_observation"] = told.observation[w, k % self.process.num_havs].copy()
+
+    def _begin(self, chosen: np.ndarray, told: Any) -> None:
+        self.process.begin(self._keys[0], self._keys[1], chosen)
+        self.process.look(chosen, told)
+        self.screen.forget(chosen)
+
+    def close(self) -> None:
+        """Let go of the viewers."""
+        self.screen.close()
+
+    def get_images(self) -> Sequence[np.ndarray | None]:
+        """Return a frame (H, W, 3) of every world."""
+        return [self.screen.show(w) for w in range(self.process.num_worlds)]  # type: ignore[misc]
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """Return an attribute, the same for all rows."""
+        return [getattr(self, attr_name) for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Set an attribute, of all rows at once."""
+        setattr(self, attr_name, value)
+
+    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list:
+        """Call a method, and return its result for every row."""
+        result = getattr(self, method_name)(*args, **kwargs)
+        return [result for _ in self._get_indices(indices)]
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """Tell that no row is wrapped."""
+        return [False for _ in self._get_indices(indices)]
+
+    def _get_indices(self, indices: int | Iterable[int] | None) -> Iterable[int]:
+        if indices is None:
+            return range(self.num_envs)
+        return [indices] if isinstance(indices, int) else indices
