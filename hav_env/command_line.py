@@ -1,0 +1,61 @@
+"""Options from a command line, by tyro; what is wrong with them becomes one line."""
+
+import contextlib
+import io
+from typing import TypeVar
+
+import tyro
+
+Options = TypeVar("Options")
+
+
+def parse_options(
+    options_class: type[Options],
+    program: str,
+    description: str,
+    arguments: list[str],
+    default: Options | None = None,
+) -> Options:
+    """Return the options that a command line gives.
+
+    Args:
+        options_class: a dataclass or NamedTuple; its fields become the options.
+        program, description: stand in the help.
+        arguments: the words of the command line.
+        default: what the options are without any arguments.
+
+    Raises:
+        ValueError: when the arguments are wrong, saying how in one line.
+        SystemExit: after the help was asked for and printed.
+    """
+    complaint = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(complaint):
+            return tyro.cli(
+                options_class,
+                prog=program,
+                description=description,
+                args=arguments,
+                default=tyro.MISSING_NONPROP if default is None else default,
+            )
+    except SystemExit as stop:
+        if not stop.code:
+            raise
+        raise ValueError(_one_line(complaint.getvalue())) from None
+
+
+def _one_line(text: str) -> str:
+    """Return what tyro says in its box, below the title and above the next rule.
+
+    The title stands in the upper edge, or on a line of its own where boxes cannot be drawn.
+    """
+    sections: list[list[str]] = [[]]
+    for line in text.splitlines():
+        words = line.strip("│╭╮╰╯─-| ")
+        if words and not line.startswith("╭"):
+            sections[-1].append(words)
+        elif not words and line.strip():
+            sections.append([])
+    told = [" ".join(section) for section in sections if section]
+    told = told[0 if text.lstrip().startswith("╭") else 1 :]
+    return told[0] if told else "cannot read the options"

@@ -1,0 +1,91 @@
+"""Which part of the plane is seen, and where a point of it appears."""
+
+import math
+
+import numpy as np
+
+_SETTLING = 0.6  # s in which most of the way to a new view is done
+_LEAST = 24.0  # m that are seen in any case, so that a HAV at its goal does not fill the picture
+
+
+class Camera:
+    """A view of the plane that moves smoothly to what it is aimed at.
+
+    Attributes:
+        size: width and height of the picture in pixels.
+        free: (2,) width and height of what is free of writing.
+        middle: (2,) the pixel in the middle of what is free of writing.
+        center: (2,) the point of the plane that appears there [m].
+        scale: pixels per metre.
+    """
+
+    def __init__(self, size: tuple[int, int], left: float, frames_per_second: float) -> None:
+        """Begin without a view; the first ``aim`` sets it at once.
+
+        Args:
+            size: width and height of the picture in pixels.
+            left: how many pixels on the left are for writing.
+            frames_per_second: how often ``aim`` will be called.
+        """
+        self.size = size
+        self.free = np.array([size[0] - left, size[1]], float)
+        self.middle = np.array([left, 0.0]) + self.free / 2.0
+        self.center = np.zeros(2)
+        self.scale = 1.0
+        self._share = 1.0 - math.exp(-1.0 / (_SETTLING * frames_per_second))
+        self._begun = False
+
+    def aim(self, low: np.ndarray, high: np.ndarray, margin: float, zoom: float = 1.0) -> None:
+        """Move towards a view of a box.
+
+        Args:
+            low, high: (2,) its corners [m].
+            margin: pixels that are kept free round it.
+            zoom: how many times larger than that everything appears.
+        """
+        width, height = np.maximum(self.free - 2.0 * margin, self.free / 2.0)
+        extent = np.maximum(high - low, _LEAST)
+        scale = zoom * float(min(width / extent[0], height / extent[1]))
+        share = self._share if self._begun else 1.0
+        self.center = self.center + share * ((low + high) / 2.0 - self.center)
+        self.scale *= (scale / self.scale) ** share
+        self._begun = True
+
+    def forget(self) -> None:
+        """Take the next aim at once."""
+        self._begun = False
+        self.center, self.scale = np.zeros(2), 1.0
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Return where points (..., 2) of the plane [m] appear, in pixels right and down."""
+        away = (np.asarray(points, float) - self.center) * (self.scale, -self.scale)
+        return away + self.middle
+
+    def place(self, pose: tuple[float, float, float], shape) -> np.ndarray:
+        """Return where a shape appears that is given in the frame of a pose.
+
+        Args:
+            pose: x [m], y [m], heading [rad].
+            shape: (K, 2) forward and left [m].
+        """
+        x, y, heading = pose
+        cosine, sine = math.cos(heading), math.sin(heading)
+        turned = np.asarray(shape, float) @ np.array([[cosine, sine], [-sine, cosine]])
+        return self.project(turned + np.array([x, y]))
+
+    def seen(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the corners (2,) of what is seen [m]."""
+        width, height = np.array(self.size) / self.scale
+        low = self.center - (self.middle[0] / self.scale, height - self.middle[1] / self.scale)
+        return low, low + np.array([width, height])
+
+
+def box(rear: float, front: float, half: float) -> np.ndarray:
+    """Return the corners (4, 2) of a box along a heading, to both sides of it [m]."""
+    return np.array([(rear, -half), (front, -half), (front, half), (rear, half)])
+
+
+def round_length(length: float) -> float:
+    """Return the smallest of 1, 2, 5, 10, 20, ... that is not less than a length."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= length * 0.999)

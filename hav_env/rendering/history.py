@@ -1,0 +1,74 @@
+"""What a single scene does not tell: where the HAVs came from, and what has happened lately."""
+
+import collections
+
+import numpy as np
+
+from hav_env.rendering.scene import Scene
+
+_FEW = 10  # HAVs up to which evasions are worth an entry
+_SPACING = 1.0  # s between two points of a trail
+_TRAIL = 240  # points
+_EVENTS = 6
+_AGAIN = 20.0  # s within which the same is not told twice: an evasion may flicker
+
+
+class History:
+    """Trails and events, gathered from scene to scene.
+
+    Attributes:
+        events: (time [s], what happened), the latest last.
+    """
+
+    def __init__(self) -> None:
+        """Begin without a past."""
+        self.events: collections.deque[tuple[float, str]] = collections.deque(maxlen=_EVENTS)
+        self._places: collections.deque[np.ndarray] = collections.deque(maxlen=_TRAIL)
+        self._kept_at = -np.inf
+        self._before: Scene | None = None
+
+    def follows(self, scene: Scene) -> bool:
+        """Tell whether a scene can be a later one, or the same, of the episode seen so far."""
+        before = self._before
+        if before is None:
+            return True
+        return scene.time >= before.time and len(scene.x) == len(before.x)
+
+    def observe(self, scene: Scene) -> None:
+        """Take in the next scene."""
+        if self._before is not None:
+            for text in _tell(self._before, scene):
+                if not self._told_lately(text, scene.time):
+                    self.events.append((scene.time, text))
+        if scene.time >= self._kept_at + _SPACING:
+            self._places.append(np.stack([scene.x, scene.y], axis=1))
+            self._kept_at = scene.time
+        self._before = scene
+
+    def _told_lately(self, text: str, time: float) -> bool:
+        return any(told == text and time < when + _AGAIN for when, told in self.events)
+
+    def trails(self, scene: Scene) -> np.ndarray:
+        """Return where the trucks were, (T, N, 2) [m], oldest first, to where they are."""
+        return np.stack([*self._places, np.stack([scene.x, scene.y], axis=1)])
+
+
+def _tell(before: Scene, scene: Scene) -> list[str]:
+    """Return what happened between two scenes."""
+    told = []
+    for hav in range(len(scene.x)):
+        name = f"hav_{hav}"
+        if scene.hits[hav] > before.hits[hav]:
+            told.append(f"{name} hits goal {scene.hits[hav]}")
+        if scene.jackknifed[hav] and not before.jackknifed[hav]:
+            told.append(f"{name} jackknifed")
+        if scene.collided[hav] and not before.collided[hav]:
+            told.append(f"{name} collided")
+        if scene.removed[hav] and not before.removed[hav]:
+            told.append(f"{name} removed")
+        evaded = scene.evaded[hav]
+        if len(scene.x) <= _FEW and evaded >= 0 and evaded != before.evaded[hav]:
+            told.append(f"{name} evades hav_{evaded}")
+    if scene.phase > before.phase:
+        told.append(f"goal {scene.phase + 1} for all")
+    return told

@@ -1,0 +1,106 @@
+"""What is written on the picture: clock and counts, each HAV in a line, events, a scale bar."""
+
+import numpy as np
+
+from hav_env.rendering.camera import Camera
+from hav_env.rendering.canvas import Canvas
+from hav_env.rendering.colors import DARK, GREY, LIGHT, RED, Color, color_of, color_of_bend
+from hav_env.rendering.ground import grid_spacing
+from hav_env.rendering.history import History
+from hav_env.rendering.scene import Scene, bends_of, count_flags, goal_distance
+
+_EDGE = 12  # pixels between a panel and the edge, and within a panel
+_LISTED = 10  # HAVs up to which each has a line
+_LINE = 19  # pixels
+_PANEL = 196  # pixels, breadth of the panels
+_ROOM = (560, 420)  # pixels that a picture needs for panels
+
+
+def sidebar_width(size: tuple[int, int]) -> float:
+    """Return how many pixels on the left of a picture are for writing; none in a small one."""
+    return _EDGE + _PANEL if size[0] >= _ROOM[0] and size[1] >= _ROOM[1] else 0.0
+
+
+def draw_overlay(canvas: Canvas, camera: Camera, scene: Scene, history: History) -> None:
+    """Write everything that there is room for."""
+    if sidebar_width(canvas.size) > 0:
+        bottom = _draw_clock(canvas, scene)
+        if len(scene.x) <= _LISTED:
+            _draw_list(canvas, scene, bottom + _EDGE)
+        _draw_events(canvas, history)
+    _draw_scale_bar(canvas, camera)
+
+
+def _draw_clock(canvas: Canvas, scene: Scene) -> float:
+    """Write the time and how many HAVs are in which state; return where the panel ends."""
+    waiting = np.count_nonzero(scene.waiting)
+    lines = [(f"{waiting} of {len(scene.x)} at goal", DARK)]
+    for name, count in count_flags(scene).items():
+        if count and name != "at goal":
+            lines.append((f"{count} {name}", RED if name in _BAD else DARK))
+    height = 2 * _EDGE + 28 + _LINE * len(lines)
+    canvas.panel(_EDGE, _EDGE, _PANEL, height)
+    canvas.text(f"{scene.time:.1f} s", (2 * _EDGE, 2 * _EDGE - 2), 32)
+    phase = f"goal {scene.phase + 1} of {scene.num_goals}"
+    canvas.text(phase, (_PANEL, 2 * _EDGE + 5), 18, GREY, "topright")
+    for k, (text, color) in enumerate(lines):
+        canvas.text(text, (2 * _EDGE, 2 * _EDGE + 31 + _LINE * k), 18, color)
+    return _EDGE + height
+
+
+def _draw_list(canvas: Canvas, scene: Scene, top: float) -> None:
+    """Write for each HAV how far its goal is, and show its largest bend beside the limit."""
+    canvas.panel(_EDGE, top, _PANEL, 2 * _EDGE + _LINE * len(scene.x) - 4)
+    for hav in range(len(scene.x)):
+        middle = top + _EDGE + _LINE * (hav + 0.5) - 2
+        gone = scene.removed[hav]
+        canvas.dot((2 * _EDGE + 6, middle), 5.5, LIGHT if gone else color_of(hav))
+        canvas.text(str(hav), (2 * _EDGE + 20, middle), 18, DARK, "midleft")
+        state, color = _state_of(scene, hav)
+        canvas.text(state, (2 * _EDGE + 40, middle), 18, color, "midleft")
+        if not gone:
+            bend = bends_of(scene, hav).max(initial=0.0)
+            share = float(bend / scene.articulation_max[hav])
+            canvas.bar(_PANEL - 46, middle - 3, 46, 6, LIGHT)
+            canvas.bar(_PANEL - 46, middle - 3, 46 * min(share, 1.0), 6, color_of_bend(share))
+
+
+_BAD = ("jackknifed", "collided")
+
+
+def _state_of(scene: Scene, hav: int) -> tuple[str, Color]:
+    """Return in a word or two what is most worth knowing of a HAV, and in which colour."""
+    if scene.removed[hav]:
+        return "removed", GREY
+    if scene.jackknifed[hav]:
+        return "jackknifed", RED
+    if scene.collided[hav]:
+        return "collided", RED
+    if scene.waiting[hav]:
+        return "at goal", GREY
+    if scene.evaded[hav] >= 0:
+        return f"evades {scene.evaded[hav]}", DARK
+    return f"{goal_distance(scene, hav):.1f} m", DARK
+
+
+def _draw_events(canvas: Canvas, history: History) -> None:
+    """Write what has happened lately, above the lower edge."""
+    if not history.events:
+        return
+    height = 2 * _EDGE + _LINE * len(history.events) - 6
+    top = canvas.size[1] - _EDGE - height
+    canvas.panel(_EDGE, top, _PANEL, height)
+    for k, (time, text) in enumerate(history.events):
+        middle = top + _EDGE + _LINE * (k + 0.5) - 3
+        canvas.text(f"{time:.1f} s", (_EDGE + 58, middle), 16, GREY, "midright")
+        canvas.text(text, (_EDGE + 66, middle), 16, RED if text.endswith(_BAD) else DARK, "midleft")
+
+
+def _draw_scale_bar(canvas: Canvas, camera: Camera) -> None:
+    """Draw one side of a cell of the grid."""
+    length = grid_spacing(camera)
+    pixels = length * camera.scale
+    right, bottom = canvas.size[0] - 2 * _EDGE, canvas.size[1] - 2 * _EDGE
+    canvas.panel(right - pixels - _EDGE, bottom - 26, pixels + 2 * _EDGE, 38)
+    canvas.bar(right - pixels, bottom - 2, pixels, 3, DARK)
+    canvas.text(f"{length:g} m", (right - pixels / 2, bottom - 13), 18, DARK, "center")

@@ -1,0 +1,179 @@
+"""What there is to see of one world at one moment, apart from the simulator and from any drawing.
+
+Shapes as in ``hav_env.world``: N HAVs, U units of a HAV.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hav_env.world import (
+    ACTUAL,
+    ARTICULATION,
+    FOOTPRINT,
+    HIT_STEP,
+    JACKKNIFE,
+    NEVER,
+    PHASE,
+    STEP,
+    WHEN,
+    World,
+)
+
+REMOVED_BEYOND = 1e6  # m; HAVs that have left their world are parked out there
+
+
+class Scene(NamedTuple):
+    """One moment of one world."""
+
+    time: float  # [s]
+    phase: int  # goal under way
+    x: np.ndarray  # (N,) truck's rear axle [m]
+    y: np.ndarray  # (N,) [m]
+    heading: np.ndarray  # (N, U) of every unit [rad]
+    speed: np.ndarray  # (N,) of the truck [m/s]
+    steering: np.ndarray  # (N,) of the truck [rad], left positive
+    num_trailers: np.ndarray  # (N,)
+    length: np.ndarray  # (N, U) wheelbase, trailer lengths [m]; anything beyond the last unit
+    footprint: np.ndarray  # (N,) radius d_i round the truck's rear axle [m]
+    articulation_max: np.ndarray  # (N,) [rad]
+    goal: np.ndarray  # (N, 3) goal pose under way: x [m], y [m], heading [rad]
+    hits: np.ndarray  # (N,) goals hit so far
+    num_goals: int
+    waiting: np.ndarray  # (N,) bool: at its goal
+    removed: np.ndarray  # (N,) bool: has left the world and is not drawn
+    jackknifed: np.ndarray  # (N,) bool: ever
+    potential: np.ndarray  # (N,) bool: in potential collision now, footprints overlap
+    collided: np.ndarray  # (N,) bool: in actual collision ever
+    evaded: np.ndarray  # (N,) number of the HAV that it evades now, -1 for none or unknown
+
+
+def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None) -> Scene:
+    """Return what there is to see of one world; arrays are copies.
+
+    Args:
+        worlds: of a batch.
+        w: which world.
+        dt: duration of a step [s].
+        evaded: (N,) number of the HAV that each one evades, -1 for none; None when unknown. What
+            is said of HAVs that wait is ignored, since they decide nothing.
+    """
+    state, fleet, record = worlds.state, worlds.fleet, worlds.record
+    x, y = state.x[:, w].copy(), state.y[:, w].copy()
+    waiting, removed = state.waiting[:, w].copy(), np.abs(x) >= REMOVED_BEYOND
+    footprint = fleet.radius[:, FOOTPRINT, w].copy()
+    known = np.full(len(x), -1) if evaded is None else np.asarray(evaded).astype(np.int64)
+    return Scene(
+        time=float(state.clock[STEP, w] * dt),
+        phase=int(state.clock[PHASE, w]),
+        x=x,
+        y=y,
+        heading=state.heading[:, :, w].copy(),
+        speed=state.speed[:, w].copy(),
+        steering=state.steering[:, w].copy(),
+        num_trailers=fleet.num_trailers[:, w].copy(),
+        length=fleet.length[:, :, w].copy(),
+        footprint=footprint,
+        articulation_max=fleet.limit[:, ARTICULATION, w].copy(),
+        goal=state.goal[:, :3, w].copy(),
+        hits=np.count_nonzero(record.goal[:, :, HIT_STEP, w] != NEVER, axis=1),
+        num_goals=worlds.goals.shape[1],
+        waiting=waiting,
+        removed=removed,
+        jackknifed=record.first[:, JACKKNIFE, WHEN, w] != NEVER,
+        potential=find_potential(x, y, footprint, ~removed),
+        collided=record.first[:, ACTUAL, WHEN, w] != NEVER,
+        evaded=np.where(waiting | removed, -1, known),
+    )
+
+
+def find_potential(
+    x: np.ndarray, y: np.ndarray, footprint: np.ndarray, present: np.ndarray
+) -> np.ndarray:
+    """Tell which HAVs are in potential collision with another one, eq. (potential-collision).
+
+    Args:
+        x, y, footprint: (N,) [m].
+        present: (N,) bool: the others are passed over.
+    """
+    distance = np.hypot(x[:, None] - x, y[:, None] - y)
+    overlap = (distance <= footprint[:, None] + footprint) & present[:, None] & present
+    np.fill_diagonal(overlap, False)
+    return overlap.any(axis=1)
+
+
+def axles_of(scene: Scene, hav: int) -> np.ndarray:
+    """Return where the axles of a HAV are, the polygonal chain P_i.
+
+    Returns:
+        (K, 2) x and y [m]: the truck's front axle, its rear axle, the axle of each trailer.
+    """
+    units = scene.num_trailers[hav] + 1
+    heading, length = scene.heading[hav, :units], scene.length[hav, :units, None]
+    along = length * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    rear = np.array([scene.x[hav], scene.y[hav]])
+    behind = rear - np.cumsum(along[1:], axis=0)
+    return np.vstack([rear + along[0], rear, behind])
+
+
+def bends_of(scene: Scene, hav: int) -> np.ndarray:
+    """Return the size of every articulation of a HAV, (trailers,) [rad]."""
+    return np.abs(np.diff(scene.heading[hav, : scene.num_trailers[hav] + 1]))
+
+
+def goal_distance(scene: Scene, hav: int) -> float:
+    """Return how far the goal under way is [m]."""
+    return float(np.hypot(scene.goal[hav, 0] - scene.x[hav], scene.goal[hav, 1] - scene.y[hav]))
+
+
+def count_flags(scene: Scene) -> dict[str, int]:
+    """Return how many HAVs are in which state, under its name."""
+    flags = {
+        "at goal": scene.waiting,
+        "evading": scene.evaded >= 0,
+        "in potential collision": scene.potential,
+        "jackknifed": scene.jackknifed,
+        "collided": scene.collided,
+        "removed": scene.removed,
+    }
+    return {name: int(np.count_nonzero(flag)) for name, flag in flags.items()}
+
+
+_MOST_DESCRIBED = 5  # HAVs that are told of one by one
+_SIDES = (
+    *("ahead", "ahead-left", "left", "behind-left"),
+    *("behind", "behind-right", "right", "ahead-right"),
+)
+
+
+def describe(scene: Scene) -> str:
+    """Return one line of text that says what there is to see."""
+    head = f"{scene.time:.1f} s"
+    num_havs = len(scene.x)
+    if num_havs <= _MOST_DESCRIBED:
+        return "; ".join([head, *(_describe_hav(scene, hav) for hav in range(num_havs))])
+    told = [f"{count} {name}" for name, count in count_flags(scene).items() if count]
+    summary = f"{num_havs} HAVs: {', '.join(told) or 'all under way'}"
+    return f"{head}; goal {scene.phase + 1}/{scene.num_goals}; {summary}"
+
+
+def _describe_hav(scene: Scene, hav: int) -> str:
+    name = f"hav_{hav}"
+    if scene.removed[hav]:
+        return f"{name} removed"
+    dx, dy = scene.goal[hav, :2] - (scene.x[hav], scene.y[hav])
+    bearing = np.arctan2(dy, dx) - scene.heading[hav, 0]
+    side = _SIDES[round(bearing / (np.pi / 4)) % 8]
+    bend = np.degrees(bends_of(scene, hav).max(initial=0.0))
+    limit = np.degrees(scene.articulation_max[hav])
+    told = [
+        f"{name} goal {scene.phase + 1}/{scene.num_goals} {goal_distance(scene, hav):.1f} m {side}",
+        f"bend {bend:.0f}/{limit:.0f} deg",
+    ]
+    states = {
+        "waits": scene.waiting[hav],
+        f"evades hav_{scene.evaded[hav]}": scene.evaded[hav] >= 0,
+        "jackknifed": scene.jackknifed[hav],
+        "collided": scene.collided[hav],
+    }
+    return ", ".join([*told, *(name for name, holds in states.items() if holds)])

@@ -1,0 +1,147 @@
+"""HAVs, to scale: in detail when near, as chains when far away."""
+
+import numpy as np
+
+from hav_env.rendering.camera import Camera, box
+from hav_env.rendering.canvas import Canvas
+from hav_env.rendering.colors import (
+    DARK,
+    GROUND,
+    PAPER,
+    RED,
+    color_of,
+    color_of_bend,
+    mix,
+)
+from hav_env.rendering.scene import Scene, axles_of, bends_of
+
+_DETAILED = 7.0  # pixels of breadth from which wheels and cabs can be told
+NUMBERED = 1.2  # pixels per metre from which numbers have room
+TAG = 9.0  # pixels, radius of a number's disc
+
+
+def breadth_of(scene: Scene, hav: int) -> float:
+    """Return how broad a HAV is drawn [m]; in the paper it has no breadth."""
+    return float(np.clip(0.4 * scene.length[hav, 0], 1.4, 2.4))
+
+
+def draw_hav(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
+    """Draw a HAV and its number."""
+    axles = axles_of(scene, hav)
+    if breadth_of(scene, hav) * camera.scale >= _DETAILED:
+        for unit in range(scene.num_trailers[hav], 0, -1):
+            _draw_trailer(canvas, camera, scene, hav, unit, axles[unit + 1])
+        _draw_truck(canvas, camera, scene, hav)
+        _draw_joints(canvas, camera, scene, hav, axles)
+    else:
+        _draw_chain(canvas, camera, scene, hav, axles)
+    front, rear = camera.project(axles[:2])
+    troubled = scene.jackknifed[hav] or scene.collided[hav]
+    if camera.scale >= NUMBERED:
+        ahead = (front - rear) / max(float(np.hypot(*(front - rear))), 1e-9)
+        _draw_tag(canvas, scene, hav, front + (0.5 * camera.scale + 14.0) * ahead, troubled)
+    elif troubled:
+        canvas.disc(rear, 4.5, RED)
+        canvas.disc(rear, 2.0, PAPER)
+
+
+def _draw_wheels(canvas: Canvas, camera: Camera, pose: tuple, half: float, turn: float = 0.0):
+    """Draw a pair of wheels on an axle at a pose, turned against it."""
+    x, y, heading = pose
+    for side in (-1.0, 1.0):
+        center = np.array([-side * np.sin(heading), side * np.cos(heading)]) * half + (x, y)
+        wheel = box(-0.26 * half - 0.2, 0.26 * half + 0.2, 0.1 * half + 0.08)
+        canvas.fill(camera.place((center[0], center[1], heading + turn), wheel), DARK)
+
+
+def _draw_trailer(
+    canvas: Canvas, camera: Camera, scene: Scene, hav: int, unit: int, axle: np.ndarray
+) -> None:
+    color, half = color_of(hav), 0.5 * breadth_of(scene, hav)
+    length, heading = scene.length[hav, unit], scene.heading[hav, unit]
+    pose = (axle[0], axle[1], heading)
+    front = length - min(0.3 * length, 1.3 * half)
+    _draw_wheels(canvas, camera, pose, half)
+    body = camera.place(pose, box(-0.4 * half, front, 0.9 * half))
+    canvas.fill(body, mix(color, PAPER, 0.62))
+    canvas.outline(body, color, 1.0)
+    if 0.5 * front * camera.scale > 8.0:  # which way the trailer points
+        middle, reach = 0.5 * front, 0.4 * half
+        chevron = [(middle - reach, reach), (middle, 0.0), (middle - reach, -reach)]
+        canvas.stroke(camera.place(pose, chevron), color, 1.7)
+
+
+def _draw_truck(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
+    color, half = color_of(hav), 0.5 * breadth_of(scene, hav)
+    length, heading = scene.length[hav, 0], scene.heading[hav, 0]
+    pose = (scene.x[hav], scene.y[hav], heading)
+    front = (pose[0] + length * np.cos(heading), pose[1] + length * np.sin(heading), heading)
+    _draw_wheels(canvas, camera, pose, half)
+    nose, cab = length + 0.55 * half, length - max(1.3 * half, 0.2 * length)
+    deck = camera.place(pose, box(-0.5 * half, cab, 0.62 * half))
+    canvas.fill(deck, mix(color, DARK, 0.45))
+    _draw_wheels(canvas, camera, front, half, scene.steering[hav])
+    bevel = 0.3 * half
+    shape = [(cab, -half), (nose - bevel, -half), (nose, -half + bevel)]
+    shape += [(along, -aside) for along, aside in reversed(shape)]
+    body = camera.place(pose, np.array(shape) * (1.0, 0.88))
+    canvas.fill(body, color)
+    canvas.outline(body, mix(color, DARK, 0.5), 1.0)
+    glass = box(nose - 0.65 * half, nose - 0.3 * half, 0.62 * half)
+    canvas.fill(camera.place(pose, glass), mix(color, PAPER, 0.85))
+
+
+def _draw_joints(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles) -> None:
+    """Draw drawbars and the bend of every joint, in the colour of how near it is to its limit."""
+    hitches, half = camera.project(axles[1:]), 0.5 * breadth_of(scene, hav) * camera.scale
+    bends = bends_of(scene, hav)
+    for joint in range(scene.num_trailers[hav], 0, -1):
+        nearness = bends[joint - 1] / scene.articulation_max[hav]
+        color = color_of_bend(nearness)
+        hitch, length = hitches[joint - 1], scene.length[hav, joint]
+        along = (hitches[joint] - hitch) / (length * camera.scale)
+        bar = min(0.3 * length * camera.scale, 1.3 * half) + 0.25 * half
+        if nearness > 0.25:  # the angle between straight on and where the trailer is
+            ahead, behind = scene.heading[hav, [joint - 1, joint]] + np.pi
+            angles = np.linspace(ahead, behind, 14)
+            arc = hitch + 1.7 * half * np.stack([np.cos(angles), -np.sin(angles)], axis=1)
+            canvas.fill(np.vstack([hitch, arc]), mix(color, GROUND, 0.45))
+            canvas.stroke(arc, color, 1.5)
+        canvas.stroke([hitch, hitch + bar * along], color, max(1.5, 0.2 * half))
+        radius = max(2.2, 0.3 * half)
+        canvas.disc(hitch, radius + 1.0, PAPER)
+        canvas.disc(hitch, radius, color)
+
+
+def _draw_chain(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles) -> None:
+    """Draw a HAV that is far away: lines of its lengths, an arrow head for the truck."""
+    color, points = color_of(hav), camera.project(axles)
+    breadth = breadth_of(scene, hav) * camera.scale
+    canvas.stroke(points[1:], mix(color, PAPER, 0.4), max(3.0, 0.9 * breadth))
+    nearness = bends_of(scene, hav) / scene.articulation_max[hav]
+    for hitch, share in zip(points[1:], nearness, strict=False):
+        if share > 0.5:
+            canvas.disc(hitch, max(2.4, 0.6 * breadth), color_of_bend(share))
+    rear, front = points[0] - points[1], points[1]
+    ahead = rear / max(float(np.hypot(*rear)), 1e-9)
+    aside = np.array([-ahead[1], ahead[0]])
+    canvas.stroke(points[:2], color, max(3.6, 1.1 * breadth))
+    size = max(4.0, 0.9 * breadth)
+    tip = front + max(float(np.hypot(*rear)), size) * ahead
+    head = [tip + size * ahead, tip - size * (ahead - aside), tip - size * (ahead + aside)]
+    canvas.fill(np.array(head), color)
+
+
+def _draw_tag(canvas: Canvas, scene: Scene, hav: int, place: np.ndarray, troubled: bool) -> None:
+    """Draw the number of a HAV, ringed when something has happened to it; a tick when it waits."""
+    canvas.disc(place, TAG + 3.0, GROUND)
+    if troubled:
+        canvas.disc(place, TAG + 2.5, RED)
+        canvas.disc(place, TAG + 0.8, PAPER)
+    canvas.disc(place, TAG, color_of(hav))
+    canvas.label(str(hav), place, 16, PAPER)
+    if scene.waiting[hav]:
+        corner = place + np.array([TAG + 2.0, -TAG - 1.0])
+        canvas.disc(corner, 7.0, PAPER)
+        tick = corner + np.array([(-3.5, 0.0), (-1.0, 3.0), (4.0, -3.5)])
+        canvas.stroke(tick, DARK, 2.0)

@@ -1,0 +1,194 @@
+"""The viewer: draws scenes one after the other, into arrays or into a window.
+
+Keys in the window: F follows one HAV after the other, then shows all; + and - zoom; T trails;
+C circles; space pauses. Closing the window ends the drawing, not the program.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from hav_env.rendering.camera import Camera
+from hav_env.rendering.canvas import Canvas, pygame
+from hav_env.rendering.ground import draw_grid, draw_trails
+from hav_env.rendering.history import History
+from hav_env.rendering.marks import (
+    draw_evasion,
+    draw_footprint,
+    draw_goal,
+    draw_way,
+    draw_way_out,
+    goal_tips,
+)
+from hav_env.rendering.overlay import draw_overlay, sidebar_width
+from hav_env.rendering.scene import Scene, axles_of
+from hav_env.rendering.vehicles import draw_hav
+
+RENDER_MODES = ("human", "rgb_array")
+_FEW = 4  # HAVs up to which lines lead to their goals
+_MARGIN = 0.09  # of the picture's height that is kept free round what is seen
+_ZOOM = 1.25  # of one press of a key
+
+
+class Viewer:
+    """Draws one world.
+
+    Attributes:
+        follow: which HAV the camera follows, None to see all.
+        trails, circles: whether they are drawn.
+        closed: nothing is drawn any more, since ``close`` was called or the window was closed.
+    """
+
+    def __init__(
+        self,
+        render_mode: str,
+        *,
+        size: tuple[int, int] = (960, 720),
+        frames_per_second: float = 30,
+        follow: int | None = None,
+    ) -> None:
+        """Prepare to draw; a window opens with the first scene.
+
+        Args:
+            render_mode: "human" for a window, "rgb_array" for arrays, which needs no display.
+            size: width and height in pixels.
+            frames_per_second: how fast a window shows scenes, and how fast the camera moves.
+            follow: which HAV to follow from the start.
+
+        Raises:
+            ValueError: when the render mode is unknown, or a size or rate is not above 0.
+        """
+        if render_mode not in RENDER_MODES:
+            allowed = ", ".join(RENDER_MODES)
+            raise ValueError(f"render_mode is {render_mode!r}, but must be one of: {allowed}")
+        if min(size) < 1 or not frames_per_second > 0:
+            raise ValueError(f"size {size} and frames_per_second {frames_per_second} must be > 0")
+        self.render_mode = render_mode
+        self.size = (int(size[0]), int(size[1]))
+        self.frames_per_second = frames_per_second
+        self.follow = follow
+        self.trails = self.circles = True
+        self.closed = False
+        self._zoom = 1.0
+        self._paused = False
+        self._canvas = Canvas(self.size)
+        self._camera = Camera(self.size, sidebar_width(self.size), frames_per_second)
+        self._history = History()
+        self._window: pygame.Surface | None = None
+        self._clock = pygame.time.Clock()
+
+    def draw(self, scene: Scene) -> np.ndarray | None:
+        """Draw a scene.
+
+        A scene earlier than the one before it, or of other HAVs, begins a new episode.
+
+        Returns:
+            (height, width, 3) uint8, an array of its own, or None when drawn in a window or closed.
+        """
+        if self.closed:
+            return None
+        if not self._history.follows(scene):
+            self.forget()
+        self._history.observe(scene)
+        if self.render_mode == "rgb_array":
+            self._paint(scene)
+            return self._canvas.frame()
+        self._show(scene)
+        while self._paused and not self.closed:
+            self._show(scene)
+        return None
+
+    def forget(self) -> None:
+        """Begin a new episode: no trails, no events, and the camera finds its view anew."""
+        self._history = History()
+        self._camera.forget()
+
+    def close(self) -> None:
+        """Close the window, if there is one, and draw no more. Twice is fine."""
+        self.closed = True
+        if self._window is not None:
+            self._window = None
+            pygame.display.quit()
+
+    def _show(self, scene: Scene) -> None:
+        """Draw in the window, and do what was asked for there."""
+        if self._window is None:
+            pygame.display.init()
+            self._window = pygame.display.set_mode(self.size)
+            pygame.display.set_caption("hav_env")
+        for event in pygame.event.get():
+            if event.type == pygame.QUIT:
+                self.close()
+                return
+            if event.type == pygame.KEYDOWN:
+                self._press(event.key, len(scene.x))
+        self._paint(scene)
+        self._window.blit(self._canvas.surface, (0, 0))
+        pygame.display.flip()
+        self._clock.tick(self.frames_per_second)
+
+    def _press(self, key: int, num_havs: int) -> None:
+        """Do what a key stands for."""
+        if key == pygame.K_f:
+            after = 0 if self.follow is None else self.follow + 1
+            self.follow = after if after < num_havs else None
+        elif key in (pygame.K_PLUS, pygame.K_EQUALS, pygame.K_KP_PLUS):
+            self._zoom *= _ZOOM
+        elif key in (pygame.K_MINUS, pygame.K_KP_MINUS):
+            self._zoom /= _ZOOM
+        elif key == pygame.K_t:
+            self.trails = not self.trails
+        elif key == pygame.K_c:
+            self.circles = not self.circles
+        elif key == pygame.K_SPACE:
+            self._paused = not self._paused
+
+    def _paint(self, scene: Scene) -> None:
+        """Draw a scene on the canvas."""
+        canvas, camera = self._canvas, self._camera
+        present = np.flatnonzero(~scene.removed)
+        self._aim(scene, present)
+        canvas.clear()
+        draw_grid(canvas, camera)
+        if self.trails:
+            draw_trails(canvas, camera, self._history.trails(scene), scene.removed)
+        near = self._in_sight(scene, present)
+        evading = near[scene.evaded[near] >= 0]
+        layers: list[tuple[Callable, list | np.ndarray]] = [
+            (draw_footprint, near if self.circles else []),
+            (draw_way, present[~scene.waiting[present]] if len(scene.x) <= _FEW else []),
+            (draw_goal, present),
+            (draw_evasion, evading),
+            (draw_hav, near),
+        ]
+        for layer, havs in layers:
+            for hav in havs:
+                layer(canvas, camera, scene, hav)
+        if self.follow is not None and self.follow in present:
+            draw_way_out(canvas, camera, scene, self.follow)
+        canvas.shrink()
+        draw_overlay(canvas, camera, scene, self._history)
+
+    def _in_sight(self, scene: Scene, present: np.ndarray) -> np.ndarray:
+        """Return those HAVs of which something may be seen: drawing the others takes as long."""
+        low, high = self._camera.seen()
+        places = np.stack([scene.x[present], scene.y[present]], axis=1)
+        reach = np.maximum(scene.footprint[present], 2.0 * scene.length[present, 0])[:, None]
+        seen = ((places + reach > low) & (places - reach < high)).all(axis=1)
+        return present[seen]
+
+    def _aim(self, scene: Scene, present: np.ndarray) -> None:
+        """Aim the camera at the HAV to be followed, or at all HAVs and goals."""
+        if not len(present):
+            return
+        if self.follow is not None and self.follow in present:
+            hav = self.follow
+            center = np.array([scene.x[hav], scene.y[hav]])
+            reach = 0.9 * max(scene.footprint[hav], scene.length[hav, 0]) + 8.0  # [m]
+            corners = center - reach, center + reach
+        else:
+            axles = [axles_of(scene, hav) for hav in present]
+            goals = [scene.goal[present, :2], goal_tips(scene, present)]
+            points = np.concatenate([*axles, *goals])
+            corners = points.min(axis=0), points.max(axis=0)
+        self._camera.aim(*corners, margin=_MARGIN * self.size[1], zoom=self._zoom)

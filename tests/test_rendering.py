@@ -1,0 +1,433 @@
+"""Drawings show the world as it is: places, colours, states; and need a window only when asked."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import aim, open_plane, put, stand
+
+from hav_env.rendering import Scene, describe, scene_of
+from hav_env.rendering.camera import Camera, round_length
+from hav_env.rendering.colors import AMBER, CALM, HAV_COLORS, RED, color_of, color_of_bend
+
+pygame = pytest.importorskip("pygame")
+from hav_env.rendering.history import History  # noqa: E402
+from hav_env.rendering.viewer import Viewer  # noqa: E402
+
+SIZE = (480, 360)  # too small for the panels, so that a picture holds HAVs and goals alone
+
+
+def scene(num_havs=1, num_trailers=2, **changed) -> Scene:
+    """Return HAVs 40 m apart, straight, with goals far ahead, except for what is changed."""
+    places = 40.0 * np.arange(num_havs)
+    nothing, none = np.zeros(num_havs), np.zeros(num_havs, np.bool_)
+    units = num_trailers + 1
+    standing = Scene(
+        time=0.0,
+        phase=0,
+        x=nothing,
+        y=places,
+        heading=np.zeros((num_havs, units)),
+        speed=nothing,
+        steering=nothing,
+        num_trailers=np.full(num_havs, num_trailers),
+        length=np.full((num_havs, units), 5.0),
+        footprint=np.full(num_havs, 5.0 * num_trailers),
+        articulation_max=np.full(num_havs, np.pi / 2),
+        goal=np.stack([nothing + 40.0, places, nothing], axis=1),
+        hits=np.zeros(num_havs, int),
+        num_goals=2,
+        waiting=none,
+        removed=none,
+        jackknifed=none,
+        potential=none,
+        collided=none,
+        evaded=np.full(num_havs, -1),
+    )
+    return standing._replace(**changed)
+
+
+def frame_of(shown: Scene, **options) -> np.ndarray:
+    return Viewer("rgb_array", **{"size": SIZE, **options}).draw(shown)
+
+
+def where(frame, color) -> np.ndarray:
+    """Return the (K, 2) pixels, right and down, of exactly this colour."""
+    down, right = np.nonzero((frame == np.array(color)).all(axis=-1))
+    return np.stack([right, down], axis=1)
+
+
+def bent(angle, **changed) -> Scene:
+    return scene(heading=np.array([[0.0, angle, angle]]), **changed)
+
+
+def test_a_frame_is_an_array_of_its_own():
+    viewer, shown = Viewer("rgb_array", size=(400, 300)), scene()
+    first = viewer.draw(shown)
+    kept = first.copy()
+    second = viewer.draw(shown._replace(time=0.2, x=shown.x + 5.0))
+    assert first.shape == (300, 400, 3)
+    assert first.dtype == np.uint8
+    assert first.flags.c_contiguous
+    assert first.flags.writeable
+    assert not np.shares_memory(first, second)
+    np.testing.assert_array_equal(first, kept)
+    assert (first != second).any()
+
+
+def test_the_same_scenes_give_the_same_pixels():
+    shown = scene(3, evaded=np.array([1, 0, -1]), potential=np.array([True, True, False]))
+    np.testing.assert_array_equal(frame_of(shown), frame_of(shown))
+
+
+def test_a_hav_is_drawn_at_its_projected_place():
+    shown = scene()
+    viewer = Viewer("rgb_array", size=SIZE)
+    viewer.circles = viewer.trails = False
+    pixels = where(viewer.draw(shown), color_of(0))
+    nose = viewer._camera.project(np.array([5.0, 0.0]))
+    assert np.hypot(*(pixels - nose).T).min() < 5
+
+
+def test_havs_have_colours_of_their_own():
+    frame = frame_of(scene(3))
+    centers = [where(frame, color_of(hav)).mean(axis=0) for hav in range(3)]
+    assert centers[0][1] > centers[1][1] + 30 > centers[2][1] + 60  # y points up
+
+
+def test_a_hav_that_moved_is_drawn_elsewhere():
+    before = scene(2)
+    after = before._replace(y=before.y + np.array([4.0, 0.0]), time=0.2)
+    viewer = Viewer("rgb_array", size=SIZE)
+    first, second = viewer.draw(before), viewer.draw(after)
+    assert where(second, color_of(0))[:, 1].min() < where(first, color_of(0))[:, 1].min()
+
+
+def test_a_translated_world_looks_the_same():
+    shown = scene(2)
+    shift = np.array([3000.0, -2000.0])  # whole cells of the grid
+    moved = shown._replace(
+        x=shown.x + shift[0], y=shown.y + shift[1], goal=shown.goal + np.array([*shift, 0.0])
+    )
+    differ = (frame_of(shown) != frame_of(moved)).any(axis=-1)
+    assert differ.mean() < 1e-3  # edges may round to the other side
+
+
+@pytest.mark.parametrize("num_havs", [1, 50])
+def test_all_havs_and_goals_are_in_the_picture(num_havs):
+    viewer = Viewer("rgb_array")
+    shown = scene(num_havs)
+    viewer.draw(shown)
+    low, high = viewer._camera.seen()
+    for points in (np.stack([shown.x, shown.y], axis=1), shown.goal[:, :2]):
+        assert (points > low).all()
+        assert (points < high).all()
+
+
+def test_red_appears_when_an_articulation_nears_its_limit():
+    for angle, red in ((0.0, False), (0.6, False), (np.radians(88), True), (2.5, True)):
+        frame = frame_of(bent(angle), size=(640, 480))
+        assert bool(len(where(frame, RED))) is red
+
+
+def test_the_colour_of_an_articulation_follows_the_share_of_its_limit():
+    assert color_of_bend(0.2) == CALM
+    assert color_of_bend(0.75) == AMBER
+    assert color_of_bend(1.0) == color_of_bend(1.9) == RED
+    narrow = bent(0.5, articulation_max=np.array([0.5]))
+    assert len(where(frame_of(narrow, size=(640, 480)), RED))
+
+
+def test_potential_collisions_are_red_and_can_be_hidden():
+    plain, danger = scene(2), scene(2, potential=np.array([True, True]))
+    viewer = Viewer("rgb_array", size=SIZE)
+    viewer.circles = False
+    assert (frame_of(plain) != frame_of(danger)).any()
+    np.testing.assert_array_equal(viewer.draw(plain), viewer.draw(danger))
+
+
+@pytest.mark.parametrize("size", [SIZE, (960, 720)])
+def test_a_removed_hav_is_not_drawn(size):
+    gone = scene(2, removed=np.array([False, True]), x=np.array([0.0, 2e6]))
+    frame = frame_of(gone, size=size)
+    assert len(where(frame, color_of(0)))
+    assert not len(where(frame, color_of(1)))
+    everybody_gone = scene(2, removed=np.array([True, True]))
+    assert not len(where(frame_of(everybody_gone, size=size), color_of(0)))
+
+
+def test_states_and_evasions_show():
+    plain = frame_of(scene(2))
+    for changed in (
+        {"waiting": np.array([True, False])},
+        {"jackknifed": np.array([True, False])},
+        {"collided": np.array([True, False])},
+        {"evaded": np.array([1, -1])},
+        {"steering": np.array([0.8, 0.0])},
+        {"goal": np.array([[40.0, 0.0, 1.0], [40.0, 40.0, 0.0]])},
+    ):
+        assert (frame_of(scene(2, **changed), size=SIZE) != plain).any()
+
+
+def test_far_away_havs_are_drawn_as_chains():
+    x = 150.0 * np.arange(50)
+    shown = scene(50, x=x, potential=np.ones(50, np.bool_), evaded=np.roll(np.arange(50), 1))
+    shown = shown._replace(heading=shown.heading + np.array([0.0, 0.0, 1.4]))
+    frame = frame_of(shown, size=(960, 720))
+    assert all(len(where(frame, color)) for color in HAV_COLORS)
+
+
+def test_the_camera_moves_smoothly_and_is_told_to_begin_anew():
+    viewer, shown = Viewer("rgb_array", size=SIZE), scene()
+    viewer.draw(shown)
+    begin = viewer._camera.center.copy()
+    far = shown._replace(x=shown.x + 500.0, goal=shown.goal + np.array([500.0, 0.0, 0.0]))
+    viewer.draw(far._replace(time=0.2))
+    step = viewer._camera.center[0] - begin[0]
+    assert 0 < step < 250
+    viewer.forget()
+    np.testing.assert_array_equal(viewer.draw(far), frame_of(far))
+    np.testing.assert_array_equal(viewer.draw(shown._replace(time=-1.0)), frame_of(shown))
+
+
+def test_the_camera_follows_one_hav():
+    shown = scene(3)
+    viewer = Viewer("rgb_array", size=SIZE, follow=2)
+    viewer.draw(shown)
+    np.testing.assert_allclose(viewer._camera.center, [shown.x[2], shown.y[2]])
+
+
+def test_what_is_out_of_sight_changes_nothing_in_sight():
+    shown = scene(3)
+    far = shown._replace(x=shown.x + np.array([0.0, 0.0, 3000.0]))
+    farther = far._replace(heading=far.heading + np.array([0.0, 0.0, 1.0])[:, None])
+    np.testing.assert_array_equal(frame_of(far, follow=0), frame_of(farther, follow=0))
+    assert (frame_of(far) != frame_of(farther)).any()
+
+
+def test_places_seen_and_projected_agree():
+    camera = Camera((400, 300), 100.0, 30)
+    camera.aim(np.array([0.0, 0.0]), np.array([200.0, 50.0]), margin=20)
+    low, high = camera.seen()
+    np.testing.assert_allclose(camera.project(np.stack([low, high])), [[0, 300], [400, 0]])
+    np.testing.assert_allclose(camera.project(np.array([100.0, 25.0])), [250, 150])
+    pose = (100.0, 25.0, np.pi / 2)
+    np.testing.assert_allclose(camera.place(pose, [(10.0, 0.0)]), camera.project([[100.0, 35.0]]))
+
+
+def test_lengths_are_rounded_up_to_steps_of_one_two_and_five():
+    lengths = [0.4, 1.0, 1.3, 3.0, 7.0, 20.0, 21.0]
+    assert [round_length(length) for length in lengths] == [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0]
+
+
+def test_events_are_told_once():
+    history, shown = History(), scene(2)
+    history.observe(shown)
+    later = shown._replace(
+        time=3.0,
+        phase=1,
+        hits=np.array([1, 0]),
+        jackknifed=np.array([False, True]),
+        collided=np.array([True, False]),
+        evaded=np.array([1, -1]),
+    )
+    history.observe(later)
+    history.observe(later._replace(time=3.2))
+    assert list(history.events) == [
+        (3.0, "hav_0 hits goal 1"),
+        (3.0, "hav_0 collided"),
+        (3.0, "hav_0 evades hav_1"),
+        (3.0, "hav_1 jackknifed"),
+        (3.0, "goal 2 for all"),
+    ]
+    viewer = Viewer("rgb_array")
+    viewer.draw(shown)
+    assert len(where(viewer.draw(later), RED))
+
+
+def test_an_evasion_that_flickers_is_told_once():
+    history, shown = History(), scene(2)
+    for k in range(20):
+        history.observe(shown._replace(time=0.2 * k, evaded=np.array([1 if k % 2 else -1, -1])))
+    assert list(history.events) == [(0.2, "hav_0 evades hav_1")]
+
+
+def test_an_unknown_render_mode_is_refused():
+    with pytest.raises(ValueError, match="render_mode is 'rgb', but must be one of: human, rgb"):
+        Viewer("rgb")
+    with pytest.raises(ValueError, match="must be > 0"):
+        Viewer("rgb_array", size=(0, 100))
+
+
+def test_closing_twice_is_fine():
+    viewer = Viewer("rgb_array", size=SIZE)
+    viewer.draw(scene())
+    viewer.close()
+    viewer.close()
+    assert viewer.draw(scene()) is None
+
+
+def run_python(code: str, **variables) -> str:
+    hidden = ("DISPLAY", "WAYLAND_DISPLAY")
+    kept = {k: v for k, v in os.environ.items() if not k.startswith("SDL_") and k not in hidden}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(
+        command, env=kept | variables, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_arrays_need_no_display_and_say_nothing():
+    here = os.path.dirname(__file__)
+    code = f"""
+import sys
+sys.path.insert(0, {here!r})
+import test_rendering, pygame
+frame = test_rendering.frame_of(test_rendering.scene())
+assert frame.any() and not pygame.display.get_init()
+"""
+    run_python(code)
+    assert run_python("import hav_env.rendering.viewer") == ""
+
+
+def test_without_pygame_it_is_said_what_is_missing():
+    code = """
+import sys
+sys.modules["pygame"] = None
+try:
+    import hav_env.rendering.viewer
+except ImportError as error:
+    print(error)
+"""
+    assert run_python(code) == "rendering needs pygame-ce: pip install 'hav_env[rendering]'\n"
+
+
+def test_the_simulator_imports_no_pygame():
+    code = "import sys, hav_env, hav_env.rendering, hav_env.play; print('pygame' in sys.modules)"
+    assert run_python(code).strip() == "False"
+
+
+@pytest.fixture
+def window(monkeypatch):
+    """Return a viewer with a window that nobody sees."""
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    viewer = Viewer("human", size=SIZE, frames_per_second=1000)
+    yield viewer
+    viewer.close()
+
+
+def press(key) -> None:
+    pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=key))
+
+
+def test_a_window_opens_and_closes(window):
+    assert window.draw(scene()) is None
+    assert pygame.display.get_surface().get_size() == SIZE
+    window.close()
+    assert not pygame.display.get_init()
+    window.close()
+
+
+def test_the_close_button_ends_the_drawing(window):
+    window.draw(scene())
+    pygame.event.post(pygame.event.Event(pygame.QUIT))
+    window.draw(scene())
+    assert window.closed
+    assert not pygame.display.get_init()
+    assert window.draw(scene()) is None
+
+
+def test_keys_change_what_is_seen(window):
+    shown = scene(2)
+    window.draw(shown)
+    followed = []
+    for _ in range(3):
+        press(pygame.K_f)
+        window.draw(shown)
+        followed.append(window.follow)
+    assert followed == [0, 1, None]
+    for key in (pygame.K_t, pygame.K_c, pygame.K_PLUS, pygame.K_MINUS, pygame.K_PLUS):
+        press(key)
+    window.draw(shown)
+    assert (window.trails, window.circles) == (False, False)
+    scale = window._camera.scale
+    for _ in range(500):
+        window.draw(shown)
+    assert window._camera.scale > scale
+
+
+def test_space_pauses_until_space(window):
+    shown = scene()
+    window.draw(shown)
+    press(pygame.K_SPACE)
+    press(pygame.K_SPACE)
+    window.draw(shown)
+    assert not window._paused
+    press(pygame.K_SPACE)
+    tick = window._clock
+
+    class Clock:
+        ticks = 0
+
+        def tick(self, rate):
+            self.ticks += 1
+            if self.ticks == 5:
+                press(pygame.K_SPACE)
+            tick.tick(rate)
+
+    window._clock = Clock()
+    window.draw(shown)
+    assert window._clock.ticks > 5
+
+
+def test_a_scene_shows_the_world_of_a_batch():
+    batch = open_plane(2, 2, 3, goals=2)
+    put(batch.worlds, [4.0, 6.0, 5.0], 1.0, 2.0, [0.1, 0.2, 0.3], w=1)
+    put(batch.worlds, [3.0, 6.0, 5.0], 20.0, 2.0, w=1, agent=1)
+    aim(batch.worlds, 0, 1, 9.0, 8.0, 0.7)
+    stand(batch, 5)
+    seen = scene_of(batch.worlds, 1, 0.2, np.array([1, -1]))
+    assert (seen.time, seen.phase, seen.num_goals) == (1.0, 0, 2)
+    np.testing.assert_allclose(seen.x, [1.0, 20.0])
+    np.testing.assert_allclose(seen.heading[0, :3], [0.1, 0.2, 0.3])
+    np.testing.assert_allclose(seen.goal[0], [9.0, 8.0, 0.7])
+    np.testing.assert_array_equal(seen.potential, [True, True])
+    np.testing.assert_array_equal(seen.hits, [0, 0])
+    np.testing.assert_array_equal(seen.evaded, [1, -1])
+    assert not (seen.removed | seen.jackknifed | seen.collided | seen.waiting).any()
+    put(batch.worlds, [3.0, 6.0, 5.0], -2e6, 2.0, w=1, agent=1)
+    batch.worlds.state.waiting[0, 1] = True
+    np.testing.assert_allclose(seen.x, [1.0, 20.0])  # a copy
+    parked = scene_of(batch.worlds, 1, 0.2, np.array([1, 0]))
+    np.testing.assert_array_equal(parked.removed, [False, True])
+    np.testing.assert_array_equal(parked.potential, [False, False])
+    np.testing.assert_array_equal(parked.evaded, [-1, -1])  # who waits or is gone decides nothing
+    assert frame_of(parked).any()
+
+
+def test_one_line_tells_what_there_is_to_see():
+    shown = scene(
+        2,
+        time=12.4,
+        goal=np.array([[10.0, 10.0, 0.0], [-5.0, 40.0, 0.0]]),
+        heading=np.array([[0.0, 0.0, np.radians(34)], [0.0, 0.0, 0.0]]),
+        evaded=np.array([1, -1]),
+        waiting=np.array([False, True]),
+        jackknifed=np.array([True, False]),
+    )
+    assert describe(shown) == (
+        "12.4 s; hav_0 goal 1/2 14.1 m ahead-left, bend 34/90 deg, evades hav_1, jackknifed;"
+        " hav_1 goal 1/2 5.0 m behind, bend 0/90 deg, waits"
+    )
+    gone = scene(1, removed=np.array([True]), collided=np.array([True]))
+    assert describe(gone) == "0.0 s; hav_0 removed"
+
+
+def test_a_swarm_is_told_in_counts():
+    flags = np.arange(50) < 3
+    swarm = scene(50, phase=1, waiting=flags, collided=flags)
+    assert describe(swarm) == "0.0 s; goal 2/2; 50 HAVs: 3 at goal, 3 collided"
+    assert describe(scene(50)) == "0.0 s; goal 1/2; 50 HAVs: all under way"
