@@ -6,7 +6,6 @@ the names are read first and the rest is left to tyro.
 
 import contextlib
 import dataclasses
-import io
 import pathlib
 import re
 import sys
@@ -25,6 +24,7 @@ from baselines.registry import POLICIES, find_policy
 from baselines.reproduce import PAPER_EXPERIMENTS, reproduce
 from baselines.results import Experiments, run_experiments
 from hav_env import Explicit, OnAxle, Task, find_scenario
+from hav_env.command_line import parse_options
 
 _COMMANDS = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
@@ -201,37 +201,13 @@ def _parse(
         default = rest[0] if rest else kind()
         own.append((name, described, dataclasses.field(default=default)))
     options_class = dataclasses.make_dataclass("Options", own, bases=(_Run,))
-    complaint = io.StringIO()
-    try:
-        with contextlib.redirect_stderr(complaint):
-            return tyro.cli(
-                options_class,
-                prog=f"python -m baselines {command} {_NAMES[command]}".rstrip(),
-                description=_COMMANDS[command],
-                args=arguments,
-                default=options_class(output=output),
-            )
-    except SystemExit as stop:
-        if not stop.code:
-            raise
-        raise ValueError(_one_line(complaint.getvalue())) from None
-
-
-def _one_line(text: str) -> str:
-    """Return what tyro says in its box, below the title and above the next rule.
-
-    The title stands in the upper edge, or on a line of its own where boxes cannot be drawn.
-    """
-    sections: list[list[str]] = [[]]
-    for line in text.splitlines():
-        words = line.strip("│╭╮╰╯─-| ")
-        if words and not line.startswith("╭"):
-            sections[-1].append(words)
-        elif not words and line.strip():
-            sections.append([])
-    told = [" ".join(section) for section in sections if section]
-    told = told[0 if text.lstrip().startswith("╭") else 1 :]
-    return told[0] if told else "cannot read the options"
+    return parse_options(
+        options_class,
+        f"python -m baselines {command} {_NAMES[command]}".rstrip(),
+        _COMMANDS[command],
+        arguments,
+        options_class(output=output),
+    )
 
 
 def _show(rows: list[list[str]], title: str) -> None:
