@@ -10,15 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.scenarios import load_explicit
-
 
 @dataclasses.dataclass
 class Play:
     """What is played."""
 
-    num_havs: int = 4
-    """HAVs, of which you drive one."""
+    num_havs: int | None = None
+    """HAVs, of which you drive one; by default as many as the scenario has, or 4."""
     scenario: str | None = None
     """A scenario by its name, or FILE.json; by default random poses."""
     seed: int = 0
@@ -72,7 +70,8 @@ def drive(
     After the end of an episode the picture stands until "again" is held.
 
     Args:
-        env: with ``reset(seed=)``, ``step(action)`` and ``render()`` as Gymnasium's.
+        env: with ``reset(seed=)``, ``step(action)`` and ``render()`` as Gymnasium's for humans:
+            the first two show a frame by themselves.
         held_in_frames: what is held in each frame: see ``next_action``; and "again", "quit".
         seed: of the first episode; each new one takes the next.
         controls: how quickly the action changes.
@@ -95,8 +94,9 @@ def drive(
             if terminated or truncated:
                 running = False
                 tell(f"{_outcome(info)}; R begins a new episode")
+        else:
+            env.render()
         before = held
-        env.render()
     return episodes
 
 
@@ -143,14 +143,11 @@ def open_environment(options: Play) -> Any:
     """
     from hav_env.gym_env import HAVSingleEnv  # noqa: PLC0415  needs Gymnasium, the keyboard not
 
-    chosen: dict[str, Any] = {}
-    if options.scenario is not None:
-        chosen["scenario"] = options.scenario
-        if options.scenario.endswith(".json"):
-            chosen["scenario"] = load_explicit(options.scenario)
-    return HAVSingleEnv(
-        num_havs=options.num_havs, others=options.others, render_mode="human", **chosen
-    )
+    if options.scenario is None:
+        chosen: dict[str, Any] = {"num_havs": options.num_havs or 4}
+    else:
+        chosen = {"scenario": options.scenario, "num_havs": options.num_havs}
+    return HAVSingleEnv(others=options.others, render_mode="human", **chosen)
 
 
 def play(options: Play) -> None:

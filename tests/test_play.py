@@ -52,12 +52,14 @@ class Road:
     def reset(self, *, seed=None):
         self.calls.append(f"reset {seed}")
         self.left = 3
+        self.render()
         return None, {}
 
     def step(self, action):
         self.calls.append("step")
         self.actions.append(action)
         self.left -= 1
+        self.render()
         return None, 0.0, self.left == 0, False, self.info
 
     def render(self):
@@ -104,7 +106,8 @@ def test_the_end_of_an_episode_is_told(info, told):
 @pytest.fixture
 def keyboard(monkeypatch):
     """Return pygame with a window that nobody sees."""
-    pygame = pytest.importorskip("pygame")
+    import pygame
+
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     yield pygame
     pygame.display.quit()
@@ -153,6 +156,19 @@ def test_play_closes_the_environment(monkeypatch, keyboard):
     monkeypatch.setattr(play, "open_environment", lambda options: road)
     assert main(["play", "--seed", "5"]) == 0  # no window opens, so it ends after a frame
     assert road.calls == ["reset 5", "render", "close"]
+
+
+def test_one_hav_of_the_real_environment_is_driven_among_others(monkeypatch, keyboard):
+    env = play.open_environment(Play(num_havs=3, scenario="crossing-8"))
+    frames = [NOTHING] + 20 * [frozenset({"faster", "left"})]
+    try:
+        assert drive(env, frames) == 1
+        state = env.unwrapped._world.process.batch.worlds.state
+        assert state.x.shape == (3, 1)
+        assert (state.speed > 0.0).all()
+        assert state.steering[0, 0] > 0.0
+    finally:
+        env.close()
 
 
 def test_options_come_from_the_command_line(monkeypatch, capsys):

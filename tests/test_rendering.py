@@ -5,16 +5,15 @@ import subprocess
 import sys
 
 import numpy as np
+import pygame
 import pytest
 from conftest import aim, open_plane, put, stand
 
 from hav_env.rendering import Scene, describe, scene_of
 from hav_env.rendering.camera import Camera, round_length
 from hav_env.rendering.colors import AMBER, CALM, HAV_COLORS, RED, color_of, color_of_bend
-
-pygame = pytest.importorskip("pygame")
-from hav_env.rendering.history import History  # noqa: E402
-from hav_env.rendering.viewer import Viewer  # noqa: E402
+from hav_env.rendering.history import History
+from hav_env.rendering.viewer import Viewer
 
 SIZE = (480, 360)  # too small for the panels, so that a picture holds HAVs and goals alone
 
