@@ -9,7 +9,7 @@ import numpy as np
 
 from hav_env.advance import Between, Outcome, advance_worlds, look_at_worlds
 from hav_env.batch import Batch, begin_worlds, check_placed
-from hav_env.compiled import VECTOR, canonical, default_threads
+from hav_env.compiled import VECTOR, canonical, default_threads, share_out
 from hav_env.lanes import LANES
 from hav_env.observation import (
     ROUTE_SIZE,
@@ -107,6 +107,7 @@ class DecisionProcess:
             np.zeros((ranges, len(self.columns), LANES), np.float32),
         )
         self._advance: Any = None
+        self._zeros = np.zeros((w, c, 2))
         self._threads = min(threads or default_threads(), max(1, c * w // _FEWEST))
 
     def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
@@ -157,8 +158,15 @@ class DecisionProcess:
         """Take one action in every world.
 
         Args:
-            actions: (W, C, 2) speed and steering from -1 to 1, finite float64, contiguous.
+            actions: (W, C, 2) speed and steering from -1 to 1, float64, contiguous.
+
+        Raises:
+            ValueError: when a number is not finite; nothing has happened then.
         """
+        # zero times what is not finite is not a number: five times as quick as np.isfinite
+        if np.vdot(actions, self._zeros) != 0.0:
+            worst = actions[~np.isfinite(actions)][0]
+            raise ValueError(f"the actions hold {worst}, but must be finite numbers")
         told = self.outcome()
         if self._driver is None:
             self._take(actions, (1, self.frame_skip, 1), told)
@@ -172,7 +180,7 @@ class DecisionProcess:
         args = *self._models, self.batch.worlds, self._between, actions, part, told
         if self._advance is None:
             self._advance = advance_worlds.prepare(*args)
-        self._advance(self.num_worlds, *args, threads=self._threads)
+        share_out(self._advance, self.num_worlds, args, self._threads)
 
     def outcome(self) -> Outcome:
         """Return arrays for an outcome; what is in them means nothing yet."""

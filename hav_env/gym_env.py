@@ -21,6 +21,7 @@ class _WorldEnv(gym.Env):
         self._world, self._view = world, view
         self.render_mode = world.screen.render_mode
         self.observation_space, self.action_space = view.observation_space, view.action_space
+        self._shape = self.action_space.shape
         self._joint = 1, world.process.num_controlled, 2
 
     def reset(
@@ -40,10 +41,8 @@ class _WorldEnv(gym.Env):
             RuntimeError: before the first ``reset``.
         """
         actions = np.array(action, float)
-        if actions.shape != self.action_space.shape:
-            raise ValueError(
-                f"the action has shape {actions.shape}, but must have {self.action_space.shape}"
-            )
+        if actions.shape != self._shape:
+            raise ValueError(f"the action has shape {actions.shape}, but must have {self._shape}")
         told = self._world.step(actions.reshape(self._joint))
         self._show()
         view = self._view
@@ -66,6 +65,16 @@ class _WorldEnv(gym.Env):
         """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window)."""
         return self._world.screen.show()
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of the observation of a HAV."""
+        return self._world.process.columns
+
+    @property
+    def scenario(self) -> Any:
+        """Who starts where and must go where."""
+        return self._world.process.batch.scenario
+
     def close(self) -> None:
         """Close the window, if there is one."""
         self._world.screen.close()
@@ -74,7 +83,7 @@ class _WorldEnv(gym.Env):
 class HAVSwarmEnv(_WorldEnv):
     """All HAVs of a world under joint control, the paper's pair by default.
 
-    Observation (N, D), columns as in docs/observation.md; action (N, 2): speed from 0 to maximum
+    Observation (N, D), columns as in docs/environments.md; action (N, 2): speed from 0 to maximum
     and steering from right to left, each from -1 to 1; reward: one number. Info: arrays (N,). For
     agents that learn one by one: ``hav_env.parallel_env`` and ``train.sb3_env``.
     """

@@ -23,7 +23,7 @@ Observations = dict[str, np.ndarray]
 class HAVSwarmParallelEnv(ParallelEnv):
     """Every HAV is an agent; all act at the same time.
 
-    Observations (D,), columns as in docs/observation.md; actions (2,): speed from 0 to maximum and
+    Observations (D,), columns as in docs/environments.md; actions (2,): speed from 0 to maximum and
     steering from right to left, each from -1 to 1; infos: numbers, the same names at every step.
     By default a HAV that hit its last goal stays an agent and an obstacle, whose actions have no
     effect, and all agents end together; with ``on_goal="remove"`` it is terminated.
@@ -166,6 +166,16 @@ class HAVSwarmParallelEnv(ParallelEnv):
     def render(self) -> Any:
         """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window)."""
         return self._world.screen.show()
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of an observation."""
+        return self._world.process.columns
+
+    @property
+    def scenario(self) -> Any:
+        """Who starts where and must go where."""
+        return self._world.process.batch.scenario
 
     def close(self) -> None:
         """Close the window, if there is one."""

@@ -87,8 +87,6 @@ class _WorldsVectorEnv(VectorEnv):
             raise ValueError(
                 f"the actions have shape {actions.shape}, but must have {self.action_space.shape}"
             )
-        if not np.isfinite(actions).all():
-            raise ValueError("the actions hold a number that is not finite")
         if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
             ended = np.flatnonzero(self._over).tolist()
             raise RuntimeError(f"reset the worlds {ended} first: their episodes have ended")
@@ -107,6 +105,11 @@ class _WorldsVectorEnv(VectorEnv):
         everywhere = np.ones(self.num_envs, np.bool_)
         info = final | self._info(told.numbers, everywhere)
         return self._view.observations(told.observation), rewards, terminated, truncated, info
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of the observation of a HAV."""
+        return self._process.columns
 
     def render(self) -> tuple[Any, ...] | None:
         """Return what is seen of each world: frames (H, W, 3), or lines of text."""

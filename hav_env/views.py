@@ -50,10 +50,11 @@ class JointView:
         if flatten:
             self.observation_space = _flat(self.observation_space)
             self.action_space = _flat(self.action_space)
+        self._shape = self.observation_space.shape
 
     def observations(self, observation: np.ndarray) -> np.ndarray:
         """Return (W, *shape of the space) of (W, N, D)."""
-        return observation.reshape(len(observation), *self.observation_space.shape)
+        return observation.reshape(-1, *self._shape)
 
     def rewards(self, reward: np.ndarray) -> np.ndarray:
         """Return (W,) of (N, W); one HAV is added after the other, whatever W is."""

@@ -76,8 +76,6 @@ class HAVVecEnv(VecEnv):
         if actions.shape != (self.num_envs, 2):
             shape = actions.shape
             raise ValueError(f"the actions have shape {shape}, but must have ({self.num_envs}, 2)")
-        if not np.isfinite(actions).all():
-            raise ValueError("the actions hold a number that is not finite")
         self._actions = actions.reshape(self._actions.shape)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:

@@ -11,6 +11,7 @@ from hav_env.compiled.entries import (
     default_threads,
     entry,
     run_on_threads,
+    share_out,
 )
 from hav_env.compiled.instructions import bits_of, fixed, float_of, fma, lanes_from
 from hav_env.compiled.kernels import generic, kernel, rare_kernel
@@ -30,6 +31,7 @@ __all__ = [
     "lanes_from",
     "rare_kernel",
     "run_on_threads",
+    "share_out",
     "source_digest",
     "source_of",
 ]

@@ -30,9 +30,9 @@ def entry(function: Callable) -> Any:
     loop is serial and free of the GIL: Numba's ``prange`` loses writes to fields of tuples
     (numba#7135) and does not survive a fork.
 
-    ``loop.prepare(*args)`` returns the same as a function of ``(count, *args, threads=...)`` that
-    no longer looks at the types of its arguments, which takes longer than to step one world. They
-    must be the same from then on, arrays in number of axes, order and type of their elements too.
+    ``loop.prepare(*args)`` returns the compiled loop over ``(first, last, *args)`` that no longer
+    looks at the types of its arguments, for that takes longer than to step one world. They must be
+    the same from then on, those of arrays with number of axes, order and type of the elements.
     """
     note_sources(function)
     compiled: dict[frozenset, Callable] = {}
@@ -44,20 +44,19 @@ def entry(function: Callable) -> Any:
             compiled[known] = _cached(function, known)
         loop = compiled[known]
         _ensure_compiled(loop, function.__name__, args)
-        _share_out(loop, count, args, threads or default_threads())
+        share_out(loop, count, args, threads or default_threads())
 
     def prepare(*args: Any) -> Callable[..., None]:
         call(0, *args, threads=1)
         loop = compiled[frozenset(sources)]
-        if hasattr(loop, "compile"):
-            loop = loop.compile(_signature(args))
-        return lambda count, *args, threads: _share_out(loop, count, args, threads)
+        return loop.compile(_signature(args)) if hasattr(loop, "compile") else loop
 
     call.prepare = prepare  # type: ignore[attr-defined]
     return call
 
 
-def _share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
+def share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
+    """Run a loop over worlds on threads, each of which takes a range of them."""
     share = -(-count // (threads * VECTOR)) * VECTOR
     if count <= share:
         loop(0, count, *args)

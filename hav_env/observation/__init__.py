@@ -1,7 +1,7 @@
 """Sensing written as one flat row of named columns: what a learner sees of its HAV.
 
 Everything is in the HAV's own frame and in [-1, 1], lengths of units apart, which are in [0, 10].
-docs/observation.md has the table of the columns.
+docs/environments.md has the table of the columns.
 """
 
 from hav_env.compiled import kernel
