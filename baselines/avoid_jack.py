@@ -3,7 +3,15 @@
 import math
 from typing import NamedTuple
 
-from baselines.policy import act_lanes, check_parameters, memory_size, require_at_least
+import numpy as np
+
+from baselines.policy import (
+    act_lanes,
+    check_parameters,
+    evaded_by,
+    memory_size,
+    require_at_least,
+)
 from baselines.pursuit import goal_attraction
 from hav_env.compiled import kernel
 from hav_env.elementary import atan2, exp, sincos
@@ -76,6 +84,11 @@ def _(policy: AvoidJack, scenario) -> None:
 @memory_size.register
 def _(policy: AvoidJack) -> int:
     return 4  # EVADED .. WEIGHT
+
+
+@evaded_by.register
+def _(policy: AvoidJack, memory):
+    return memory[:, EVADED].astype(np.int64) - 1
 
 
 @act_lanes.register(AvoidJack)

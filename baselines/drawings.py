@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from baselines.excerpts import Excerpt
 from baselines.files import whole_file
-from baselines.trajectories import Excerpt, Trajectory, chain_points
+from baselines.trajectories import Trajectory, chain_points
 from hav_env import Task
 
 try:

@@ -23,8 +23,9 @@ from baselines.drawings import (
     save_figure,
     sheet,
 )
+from baselines.excerpts import choose_episodes, round_closest
 from baselines.metrics import joint_weights
-from baselines.trajectories import choose_episodes, record_trajectory, round_closest
+from baselines.trajectories import record_trajectory
 from hav_env import Task
 from hav_env.vehicles import OnAxle
 

@@ -20,4 +20,4 @@ def whole_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
 def write_text(text: str, path: pathlib.Path) -> None:
     """Write a text file."""
     with whole_file(path) as unfinished:
-        unfinished.write_text(text)
+        unfinished.write_text(text, encoding="utf-8")

@@ -8,6 +8,7 @@ import numpy as np
 from hav_env import Batch
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
 from hav_env.lanes import LANES, block_of, moving_block
+from hav_env.world import NEVER
 
 
 @generic
@@ -121,6 +122,15 @@ def check_parameters(policy, scenario) -> None:
 
     Registered by policies that demand more than finite numbers; raises ValueError.
     """
+
+
+@functools.singledispatch
+def evaded_by(policy, memory: np.ndarray) -> np.ndarray:
+    """Return (N, W) which HAV each HAV evades, as ``memory`` tells; NEVER for none.
+
+    Registered by policies that evade one HAV at a time and remember which.
+    """
+    return np.full((memory.shape[0], memory.shape[2]), NEVER)
 
 
 def decide(policy, memory: np.ndarray, batch: Batch) -> tuple[np.ndarray, np.ndarray]:
