@@ -1,4 +1,4 @@
-"""The command line: ``python -m baselines reproduce | evaluate | calibrate``.
+"""The command line: ``python -m baselines reproduce | evaluate | calibrate | watch``.
 
 The parameters of the policy and of the scenario that a command line names become its options, so
 the names are read first and the rest is left to tyro.
@@ -19,23 +19,28 @@ from rich.table import Table
 from baselines.calibrate import calibrate
 from baselines.evaluate import compare, markdown, read_columns
 from baselines.files import write_text
+from baselines.options import asks_for_help, read_options, take_option, take_words
 from baselines.progress import Progress
 from baselines.registry import POLICIES, find_policy
 from baselines.reproduce import PAPER_EXPERIMENTS, reproduce
 from baselines.results import Experiments, run_experiments
+from baselines.trajectories import record_trajectory
+from baselines.trajectory_files import load_trajectory, save_trajectory
+from baselines.watch import check_display, check_output, check_pace, name_with_changes, show
 from hav_env import Explicit, OnAxle, Task, find_scenario
-from hav_env.command_line import parse_options
 
 _COMMANDS = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
     "evaluate": "policies on a scenario: one table, differences on the same episodes",
     "calibrate": "the effect of every choice that the paper leaves open",
+    "watch": "one episode in a window, as a film (mp4, gif) or as a page to replay (html)",
 }
 # what is read before tyro sees the rest
 _NAMES = {
     "reproduce": "[--policy NAME]",
     "evaluate": "POLICY ... [--scenario NAME|FILE.json]",
     "calibrate": "",
+    "watch": "POLICY|RUN.npz [--scenario NAME|FILE.json]",
 }
 
 
@@ -54,6 +59,32 @@ class _Run:
     """Discard what an earlier run left in the folder."""
 
 
+@dataclasses.dataclass
+class _Display:
+    """How an episode is shown."""
+
+    output: pathlib.Path | None = None
+    """A file: .mp4, .gif or .html. Without one, and without --record, a window opens."""
+    speed: float | None = None
+    """Times real time; by default 10, or what makes a film last a minute."""
+    fps: int = 30
+    """Frames per second, of a film or the window."""
+
+
+@dataclasses.dataclass
+class _Watch(_Display):
+    """Which episode, and what is kept of it."""
+
+    record: pathlib.Path | None = None
+    """A file, .npz, to keep the episode in; ``watch FILE.npz`` shows it again."""
+    seed: int = 0
+    """From 0 to 2**32 - 1."""
+    episode: int = 0
+    """Number of the episode, as in the tables of ``evaluate``."""
+    every: int = 1
+    """Keep the states after each so many steps; between them, motion is interpolated."""
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run a command; return the exit code. What is wrong is said in one line."""
     arguments = sys.argv[1:] if arguments is None else arguments
@@ -64,7 +95,9 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"error: {message}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("interrupted: the same command goes on where this one stopped", file=sys.stderr)
+        resumed = arguments[:1] != ["watch"]
+        hint = ": the same command goes on where this one stopped" if resumed else ""
+        print(f"interrupted{hint}", file=sys.stderr)
         return 130
 
 
@@ -81,13 +114,15 @@ def _dispatch(arguments: list[str]) -> int:
         _evaluate(rest)
     elif command == "calibrate":
         _calibrate(rest)
+    elif command == "watch":
+        _watch(rest)
     else:
         raise ValueError(f"unknown command {command!r}; known: {', '.join(_COMMANDS)}")
     return 0
 
 
 def _reproduce(arguments: list[str]) -> None:
-    name, arguments = _take(arguments, "--policy", "avoid_jack")
+    name, arguments = take_option(arguments, "--policy", "avoid_jack")
     options = _parse(
         "reproduce",
         arguments,
@@ -96,7 +131,7 @@ def _reproduce(arguments: list[str]) -> None:
             ("experiments", int, PAPER_EXPERIMENTS, "Experiments of each scenario."),
             ("vehicle", OnAxle),
         ],
-        output=pathlib.Path("results/reproduce"),
+        _Run(pathlib.Path("results/reproduce")),
     )
     rows = reproduce(
         options.policy,
@@ -112,24 +147,18 @@ def _reproduce(arguments: list[str]) -> None:
 
 
 def _evaluate(arguments: list[str]) -> None:
-    names, arguments = _take_words(arguments)
-    if not names and not {"-h", "--help"} & set(arguments):
+    names, arguments = take_words(arguments)
+    if not names and not asks_for_help(arguments):
         raise ValueError(f"name the policies to evaluate: {', '.join(POLICIES)}, module:Class")
-    scenario_name, arguments = _take(arguments, "--scenario", "paper-single")
+    scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
     scenario = find_scenario(scenario_name)
     classes = [find_policy(name) for name in names]
     drawn = not isinstance(scenario, Explicit)  # otherwise all episodes of a policy are the same
     fields: list[tuple] = [
         ("episodes", int, 1_000 if drawn else 1, "Episodes 0 .. of the seed."),
-        ("task", Task),
-        ("vehicle", OnAxle),
+        *_model_fields(classes, scenario),
     ]
-    if len(classes) == 1:
-        fields.append(("policy", classes[0]))
-    if drawn:
-        # its options go without its name: --num-havs, --fleet.max-trailers
-        fields.append(("scenario", Annotated[type(scenario), tyro.conf.arg(name="")], scenario))
-    options = _parse("evaluate", arguments, fields, output=None)
+    options = _parse("evaluate", arguments, fields, _Run())
     scenario = getattr(options, "scenario", scenario)
     policies = [options.policy] if len(classes) == 1 else [policy() for policy in classes]
     with contextlib.ExitStack() as stack:
@@ -159,7 +188,7 @@ def _calibrate(arguments: list[str]) -> None:
         "calibrate",
         arguments,
         [("experiments", int, 1_000, "Experiments of each scenario and choice.")],
-        output=pathlib.Path("results/calibrate"),
+        _Run(pathlib.Path("results/calibrate")),
     )
     rows = calibrate(
         options.experiments, options.seed, options.output, options.threads, options.overwrite
@@ -168,46 +197,59 @@ def _calibrate(arguments: list[str]) -> None:
     print(f"table: {options.output}/calibration.parquet")
 
 
-def _take(arguments: list[str], option: str, default: str) -> tuple[str, list[str]]:
-    """Take one option with its value out of the arguments."""
-    kept, value = [], default
-    remaining = iter(arguments)
-    for argument in remaining:
-        if argument == option:
-            value = next(remaining, "")
-        elif argument.startswith(f"{option}="):
-            value = argument.partition("=")[2]
-        else:
-            kept.append(argument)
-    return value, kept
-
-
-def _take_words(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Take the leading arguments that are no options."""
-    count = next((k for k, word in enumerate(arguments) if word.startswith("-")), len(arguments))
-    return arguments[:count], arguments[count:]
-
-
-def _parse(
-    command: str, arguments: list[str], fields: list[tuple], output: pathlib.Path | None
-) -> Any:
-    """Let tyro build the options of a command; what is wrong becomes one line.
-
-    Fields are (name, type), (name, type, default) or (name, type, default, help).
-    """
-    own = []
-    for name, kind, *rest in fields:
-        described = Annotated[kind, tyro.conf.arg(help=rest[1])] if len(rest) == 2 else kind
-        default = rest[0] if rest else kind()
-        own.append((name, described, dataclasses.field(default=default)))
-    options_class = dataclasses.make_dataclass("Options", own, bases=(_Run,))
-    return parse_options(
-        options_class,
-        f"python -m baselines {command} {_NAMES[command]}".rstrip(),
-        _COMMANDS[command],
-        arguments,
-        options_class(output=output),
+def _watch(arguments: list[str]) -> None:
+    words, arguments = take_words(arguments)
+    if len(words) != 1 and not asks_for_help(arguments):
+        raise ValueError(f"name what to watch: {', '.join(POLICIES)}, module:Class or a RUN.npz")
+    if words and words[0].endswith(".npz"):
+        options = _parse("watch", arguments, [], _Display())
+        check_pace(options.speed, options.fps)
+        check_display(options.output)
+        show(load_trajectory(words[0]), options.output, options.speed, options.fps)
+        return
+    scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
+    named = find_scenario(scenario_name)
+    classes = [find_policy(name) for name in words]
+    options = _parse("watch", arguments, _model_fields(classes, named), _Watch())
+    scenario = getattr(options, "scenario", named)
+    shown = options.output is not None or options.record is None
+    check_pace(options.speed, options.fps)
+    if options.record is not None:
+        check_output(options.record, (".npz",))
+    if shown:
+        check_display(options.output)
+    trajectory = record_trajectory(
+        options.policy,
+        scenario,
+        options.seed,
+        options.episode,
+        options.task,
+        options.vehicle,
+        options.every,
+    )._replace(
+        policy=name_with_changes(words[0], options.policy, classes[0]()),
+        scenario=name_with_changes(scenario_name, scenario, named),
     )
+    if options.record is not None:
+        save_trajectory(trajectory, options.record)
+    if shown:
+        show(trajectory, options.output, options.speed, options.fps)
+
+
+def _model_fields(policies: list[type], scenario: Any) -> list[tuple]:
+    """Return the options for the rules of an episode, its scenario and a single policy."""
+    fields: list[tuple] = [("task", Task), ("vehicle", OnAxle)]
+    if len(policies) == 1:
+        fields.append(("policy", policies[0]))
+    if not isinstance(scenario, Explicit):
+        # its options go without its name: --num-havs, --fleet.max-trailers
+        fields.append(("scenario", Annotated[type(scenario), tyro.conf.arg(name="")], scenario))
+    return fields
+
+
+def _parse(command: str, arguments: list[str], fields: list[tuple], common: Any) -> Any:
+    usage = f"python -m baselines {command} {_NAMES[command]}".rstrip()
+    return read_options(usage, _COMMANDS[command], arguments, fields, common)
 
 
 def _show(rows: list[list[str]], title: str) -> None:

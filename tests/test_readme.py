@@ -10,7 +10,8 @@ from baselines.__main__ import main
 ROOT = pathlib.Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-COMMANDS = re.findall(r"^python -m baselines (.*)$", README, re.MULTILINE)
+EVALUATE = re.findall(r"^python -m baselines (evaluate .*)$", README, re.MULTILINE)
+WATCH = re.findall(r"^python -m baselines (watch .*)$", README, re.MULTILINE)
 
 
 def test_the_python_example_runs(capsys):
@@ -18,14 +19,24 @@ def test_the_python_example_runs(capsys):
     assert capsys.readouterr().out == "(2, 64) 0\n"
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_the_commands_run(command, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize("command", EVALUATE)
+def test_the_commands_to_evaluate_run(command, tmp_path, capsys, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "mine.py").write_text(BLOCKS[1])
     arguments = command.replace("examples/", f"{ROOT}/examples/").split()
     arguments += ["--episodes", "2", "--task.max-steps", "200"]
     assert main(arguments) == 0
     assert "goal 1 hit" in capsys.readouterr().out
+
+
+def test_the_commands_to_watch_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")  # a window that nobody sees
+    for command in WATCH:
+        recorded = command.startswith("watch pair.npz")
+        short = [] if recorded else ["--max-steps", "100"]
+        assert main([*command.split(), *short]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"pair.npz", "pair.html", "pair.gif"}
 
 
 def test_the_two_commands_of_the_top_are_those_of_ci():

@@ -1,0 +1,330 @@
+"""A browser plays the page that replays an episode: everything on it works, without an error."""
+
+import pathlib
+import shutil
+import time
+
+import numpy as np
+import pytest
+from conftest import budget
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.select import Select
+
+from baselines.avoid_jack import AvoidJack
+from baselines.replay import write_replay
+from baselines.trajectories import Trajectory, record_trajectory
+from hav_env import RandomPoses, Task
+
+SINGLE, PAIR, SWARM = (RandomPoses(num_havs=count) for count in (1, 2, 50))
+OPTIONS = (
+    *("--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"),
+    *("--disable-background-networking", "--disable-component-update", "--window-size=1200,800"),
+)
+PATIENCE = 20.0  # s
+
+
+def program(name: str) -> str:
+    path = shutil.which(name)
+    if path is None:
+        pytest.fail(f"{name} is missing: apt-get install chromium chromium-driver")
+    return path
+
+
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory):
+    options = webdriver.ChromeOptions()
+    options.binary_location = program("chromium")
+    for option in (*OPTIONS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
+        options.add_argument(option)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    # told where the driver is, Selenium looks for none elsewhere
+    driver = webdriver.Chrome(options=options, service=Service(program("chromedriver")))
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture(scope="module")
+def trajectories() -> dict[str, Trajectory]:
+    steps = Task(max_steps=400)
+    return {
+        "single": record_trajectory(AvoidJack(), SINGLE, 0, 997, steps),  # jackknifes at step 381
+        "pair": record_trajectory(AvoidJack(), PAIR, 0, 5, steps),  # evades from step 330 on
+        "swarm": record_trajectory(AvoidJack(), SWARM, 0, 0, Task(max_steps=budget(200, 3))),
+        "moment": record_trajectory(AvoidJack(), SINGLE, 0, 0, Task(max_steps=1)),
+    }
+
+
+@pytest.fixture(scope="module")
+def pages(trajectories, tmp_path_factory) -> dict[str, str]:
+    folder = tmp_path_factory.mktemp("pages")
+    for name, trajectory in trajectories.items():
+        write_replay(trajectory, folder / f"{name}.html")
+    return {name: (folder / f"{name}.html").as_uri() for name in trajectories}
+
+
+@pytest.fixture
+def page(chromium, pages):
+    """Return what opens a page; afterwards the browser must have had nothing to complain about."""
+
+    def open_page(name: str) -> webdriver.Chrome:
+        chromium.get(pages[name])
+        # whatever is thrown or logged from here on is kept by the browser
+        wait_for(lambda: state(chromium, "vehiclesDrawn") > 0)
+        return chromium
+
+    chromium.get_log("browser")
+    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    yield open_page
+    assert chromium.get_log("browser") == []
+    # one file is all that was read
+    assert chromium.execute_script("return performance.getEntriesByType('resource').length") == 0
+
+
+def state(driver, name: str):
+    return driver.execute_script(f"return window.replay.{name}")
+
+
+def wait_for(condition) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < deadline, "the page does not get there"
+        time.sleep(0.02)
+
+
+def named(driver, name: str):
+    return driver.find_element(By.ID, name)
+
+
+def press(driver, *keys: str) -> None:
+    ActionChains(driver).send_keys(*keys).perform()
+
+
+def seek(driver, moment: float) -> None:
+    driver.execute_script(
+        "const s = document.getElementById('scrub'); s.value = arguments[0];"
+        "s.dispatchEvent(new Event('input'))",
+        moment,
+    )
+    wait_for(lambda: drawn_time(driver) == f"{moment:.1f} s")
+
+
+def drawn_time(driver) -> str:
+    return named(driver, "clock").text.partition(" /")[0]
+
+
+def place_of(driver, hav: int) -> np.ndarray:
+    return np.array(driver.execute_script(f"return window.replay.positionOf({hav})"))
+
+
+def click_at(driver, place) -> None:
+    actions = ActionChains(driver)
+    actions.w3c_actions.pointer_action.move_to_location(*(round(value) for value in place))
+    actions.w3c_actions.pointer_action.click()
+    actions.perform()
+
+
+def colors_of(driver, canvas: str) -> set[tuple[int, ...]]:
+    """Return the colours on a canvas."""
+    pixels = driver.execute_script(
+        "const c = document.getElementById(arguments[0]);"
+        "const d = new Uint32Array(c.getContext('2d').getImageData(0, 0, c.width, c.height)"
+        ".data.buffer);"
+        "return [...new Set(d)]",
+        canvas,
+    )
+    return {tuple((pixel >> shift) & 255 for shift in (0, 8, 16)) for pixel in pixels}
+
+
+def test_it_plays_and_pauses(page):
+    driver = page("pair")
+    assert state(driver, "time") == 0
+    assert not state(driver, "playing")
+    named(driver, "play").click()
+    assert state(driver, "playing")
+    wait_for(lambda: state(driver, "time") > 3)
+    assert named(driver, "play").get_attribute("aria-label") == "Pause"
+    named(driver, "play").click()
+    stopped = state(driver, "time")
+    wait_for(lambda: drawn_time(driver) == f"{stopped:.1f} s")
+    time.sleep(0.1)
+    assert state(driver, "time") == stopped
+    assert not state(driver, "playing")
+
+
+def test_it_stops_at_the_end_and_begins_again(page, trajectories):
+    driver = page("pair")
+    duration = trajectories["pair"].step[-1] * 0.2
+    assert state(driver, "duration") == pytest.approx(duration)
+    seek(driver, duration - 1)
+    press(driver, Keys.SPACE)
+    wait_for(lambda: state(driver, "time") == pytest.approx(duration))
+    wait_for(lambda: not state(driver, "playing"))
+    press(driver, Keys.SPACE)
+    assert state(driver, "time") < duration - 5
+    press(driver, Keys.SPACE)
+
+
+def test_the_speed_is_that_of_the_clock(page):
+    driver = page("pair")
+    rates = {}
+    for speed in ("2", "20"):
+        Select(named(driver, "speed")).select_by_value(speed)
+        assert state(driver, "speed") == float(speed)
+        seek(driver, 0)
+        rate = driver.execute_async_script(
+            "const done = arguments[0]; document.getElementById('play').click();"
+            "setTimeout(() => { const [t, r] = [performance.now(), window.replay.time];"
+            "setTimeout(() => { const rate = 1000 * (window.replay.time - r)"
+            " / (performance.now() - t); document.getElementById('play').click(); done(rate); },"
+            " 1000); }, 200)"
+        )
+        rates[speed] = rate / float(speed)
+    # a busy machine skips frames, but none goes faster than the clock
+    assert all(0.3 < rate < 1.15 for rate in rates.values()), rates
+
+
+def test_the_slider_scrubs(page):
+    driver = page("pair")
+    named(driver, "scrub").click()  # in its middle
+    assert state(driver, "time") == pytest.approx(state(driver, "duration") / 2, rel=0.03)
+    before = state(driver, "time")
+    press(driver, Keys.ARROW_RIGHT)
+    assert state(driver, "time") == pytest.approx(before + 1)
+    press(driver, Keys.HOME)
+    assert state(driver, "time") == 0
+
+
+def test_vehicles_are_where_the_episode_has_them(page, trajectories):
+    driver, trajectory = page("pair"), trajectories["pair"]
+    moments = (0, 150, 400)
+    found, true = [], []
+    for step in moments:
+        seek(driver, step * 0.2)
+        found += [place_of(driver, hav) for hav in (0, 1)]
+        true += [(trajectory.x[step, hav], trajectory.y[step, hav]) for hav in (0, 1)]
+    shown, metres = np.array(found), np.array(true) * (1, -1)  # on the screen y points down
+    scale = np.linalg.norm(shown[1] - shown[0]) / np.linalg.norm(metres[1] - metres[0])
+    offset = shown - scale * metres
+    assert np.abs(offset - offset[0]).max() < 0.05  # pixels
+    # between two states it moves on evenly
+    seek(driver, 30.1)
+    between = trajectory.x[150:152].mean(axis=0), -trajectory.y[150:152].mean(axis=0)
+    for hav in (0, 1):
+        place = scale * np.array([axis[hav] for axis in between]) + offset[0]
+        assert np.abs(place_of(driver, hav) - place).max() < 0.1
+
+
+@pytest.mark.parametrize(("name", "count"), [("single", 1), ("pair", 2), ("swarm", 50)])
+def test_all_vehicles_are_drawn(name, count, page):
+    driver = page(name)
+    assert state(driver, "numHavs") == state(driver, "vehiclesDrawn") == count
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#havs li")) == count
+    seek(driver, state(driver, "duration"))
+    assert state(driver, "vehiclesDrawn") == count
+    assert len(colors_of(driver, "plane")) > 20
+
+
+def test_a_click_selects_and_shows_the_articulations(page):
+    driver = page("pair")
+    assert not named(driver, "details").is_displayed()
+    seek(driver, 70)
+    click_at(driver, place_of(driver, 1))
+    assert state(driver, "selected") == 1
+    assert named(driver, "chart").is_displayed()
+    wait_for(lambda: len(colors_of(driver, "chart")) > 10)
+    figures = named(driver, "figures").text
+    assert "HAV 0" in figures  # which it evades
+    assert "0 of 2" in figures
+    click_at(driver, place_of(driver, 0))
+    assert state(driver, "selected") == 0
+    click_at(driver, (30, 400))  # where nobody is
+    assert state(driver, "selected") is None
+    assert not named(driver, "details").is_displayed()
+
+
+def test_the_keyboard_alone_is_enough(page):
+    driver = page("pair")
+    press(driver, "]", "]")
+    assert state(driver, "selected") == 1
+    press(driver, "[")
+    assert state(driver, "selected") == 0
+    press(driver, Keys.ARROW_RIGHT, Keys.ARROW_RIGHT, Keys.ARROW_LEFT)
+    wait_for(lambda: drawn_time(driver) == "1.0 s")
+    near = place_of(driver, 1) - place_of(driver, 0)
+    press(driver, "+")
+    wait_for(lambda: np.allclose(place_of(driver, 1) - place_of(driver, 0), 1.4 * near))
+    press(driver, "f", Keys.ESCAPE)
+    wait_for(lambda: np.allclose(place_of(driver, 1) - place_of(driver, 0), near))
+    assert state(driver, "selected") is None
+
+
+def test_wheel_and_drag_move_the_view(page):
+    driver = page("swarm")
+    plane = named(driver, "plane")
+    place = place_of(driver, 3)
+    ActionChains(driver).drag_and_drop_by_offset(plane, 60, -40).perform()
+    wait_for(lambda: np.allclose(place_of(driver, 3) - place, (60, -40), atol=0.5))
+    assert state(driver, "selected") is None  # a drag is no click
+    driver.execute_script(
+        "arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -4000, cancelable: true}))",
+        plane,
+    )
+    wait_for(lambda: state(driver, "vehiclesDrawn") < 50)
+    named(driver, "fit").click()
+    wait_for(lambda: state(driver, "vehiclesDrawn") == 50)
+    assert np.allclose(place_of(driver, 3), place)
+
+
+def test_an_event_takes_there(page, trajectories):
+    driver = page("single")
+    step, joint = trajectories["single"].first[0, 0]
+    assert step == 381
+    assert state(driver, "events") == [
+        {"time": pytest.approx(step * 0.2), "text": f"HAV 0 jackknifes at joint {joint}"}
+    ]
+    driver.find_element(By.CSS_SELECTOR, "#events li button").click()
+    wait_for(lambda: drawn_time(driver) == f"{step * 0.2:.1f} s")
+    assert state(driver, "selected") == 0
+    assert f"joint {joint}" in named(driver, "figures").text
+    assert "jackknifed" in driver.find_element(By.CSS_SELECTOR, "#havs li").text
+
+
+def test_the_chart_forgets_where_the_cursor_was_and_takes_there(page):
+    driver = page("single")
+    press(driver, "]")
+    wait_for(lambda: named(driver, "chart").is_displayed())
+    pictures = []
+    for moment in (20, 60, 20):
+        seek(driver, moment)
+        script = "return document.getElementById('chart').toDataURL()"
+        pictures.append(driver.execute_script(script))
+    assert pictures[0] == pictures[2] != pictures[1]
+    named(driver, "chart").click()  # its middle, a little to the left of the middle of the plot
+    assert state(driver, "time") / state(driver, "duration") == pytest.approx(0.45, abs=0.06)
+
+
+@pytest.mark.parametrize(("scheme", "ground"), [("light", (251, 251, 249)), ("dark", (21, 24, 27))])
+def test_the_colours_follow_the_system(scheme, ground, page):
+    driver = page("swarm")
+    driver.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia",
+        {"features": [{"name": "prefers-color-scheme", "value": scheme}]},
+    )
+    wait_for(lambda: ground in colors_of(driver, "plane"))
+
+
+def test_an_episode_of_one_step_can_be_shown(page):
+    driver = page("moment")
+    press(driver, "]", Keys.SPACE)
+    wait_for(lambda: not state(driver, "playing"))
+    assert state(driver, "time") == pytest.approx(0.2)
+
+
+def test_the_page_is_one_file_that_asks_for_nothing():
+    text = (pathlib.Path(write_replay.__code__.co_filename).parent / "replay.html").read_text()
+    for part in ("http:", "https:", "import ", "fetch(", "@import", "url(", "src="):
+        assert part not in text, part
