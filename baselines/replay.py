@@ -62,6 +62,7 @@ def _pack(trajectory: Trajectory, speed: float) -> dict:
         "driving": _encode(np.nan_to_num(trajectory.speed), "<f4"),
         "steering": _encode(np.round(np.nan_to_num(trajectory.steering) * 1e4), "<i2"),
         "evaded": _encode(trajectory.evaded, "<i2"),
+        "removed": _encode(trajectory.removed, "u1"),
     }
 
 

@@ -25,7 +25,7 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
 
     x, y = between(trajectory.x), between(trajectory.y)
     phase = int(trajectory.phase[row])
-    removed = np.zeros(len(x), np.bool_)  # in an episode of a policy all HAVs stay
+    removed = trajectory.removed[row]
     return Scene(
         time=time,
         phase=phase,

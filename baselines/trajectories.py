@@ -7,7 +7,7 @@ import numpy as np
 from baselines.policy import allocate_memory, check_policy, decide, evaded_by
 from hav_env import Batch, Task
 from hav_env.vehicles import OnAxle
-from hav_env.world import ARTICULATION, FOOTPRINT, HIT_STEP, NEVER, PHASE, STEP
+from hav_env.world import ARTICULATION, FOOTPRINT, HIT_STEP, NEVER, OUTSIDE, PHASE, STEP
 
 
 class Trajectory(NamedTuple):
@@ -18,6 +18,7 @@ class Trajectory(NamedTuple):
     y: np.ndarray  # (T, N) [m]
     heading: np.ndarray  # (T, N, U) of every unit [rad], not wrapped
     waiting: np.ndarray  # (T, N) bool: at its goal
+    removed: np.ndarray  # (T, N) bool: has left the world; x and y are where it was last
     phase: np.ndarray  # (T,) goal under way
     speed: np.ndarray  # (T, N) decided in this state [m/s]; nan in the last, where nothing is
     steering: np.ndarray  # (T, N) [rad], left positive
@@ -79,12 +80,16 @@ def record_trajectory(
     step, phase, x, y, heading, waiting, speed, steering, evaded = map(
         np.array, zip(*rows, strict=True)
     )
+    removed = x >= OUTSIDE
+    for row, hav in np.argwhere(removed):  # row after row, so that places are handed on
+        x[row, hav] = x[row - 1, hav]
     return Trajectory(
         step=step,
         x=x,
         y=y,
         heading=heading,
         waiting=waiting,
+        removed=removed,
         phase=phase,
         speed=speed,
         steering=steering,

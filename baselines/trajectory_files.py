@@ -19,6 +19,7 @@ _LAYOUT = {
     "y": ("f", "TN"),
     "heading": ("f", "TNU"),
     "waiting": ("b", "TN"),
+    "removed": ("b", "TN"),
     "phase": ("iu", "T"),
     "speed": ("f", "TN"),
     "steering": ("f", "TN"),

@@ -34,7 +34,7 @@ def test_the_commands_to_watch_run(tmp_path, monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")  # a window that nobody sees
     for command in WATCH:
         recorded = command.startswith("watch pair.npz")
-        short = [] if recorded else ["--max-steps", "100"]
+        short = [] if recorded else ["--task.max-steps", "100"]
         assert main([*command.split(), *short]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"pair.npz", "pair.html", "pair.gif"}
 

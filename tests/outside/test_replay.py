@@ -15,6 +15,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
 from baselines.avoid_jack import AvoidJack
+from baselines.pursuit import DubinsPursuit
 from baselines.replay import write_replay
 from baselines.trajectories import Trajectory, record_trajectory
 from hav_env import RandomPoses, Task
@@ -54,6 +55,13 @@ def trajectories() -> dict[str, Trajectory]:
         "single": record_trajectory(AvoidJack(), SINGLE, 0, 997, steps),  # jackknifes at step 381
         "pair": record_trajectory(AvoidJack(), PAIR, 0, 5, steps),  # evades from step 330 on
         "swarm": record_trajectory(AvoidJack(), SWARM, 0, 0, Task(max_steps=budget(200, 3))),
+        "left": record_trajectory(  # HAV 1 hits its goal in step 174
+            DubinsPursuit(),
+            RandomPoses(2, num_goals=1),
+            0,
+            14,
+            Task(max_steps=180, on_goal="remove"),
+        ),
         "moment": record_trajectory(AvoidJack(), SINGLE, 0, 0, Task(max_steps=1)),
     }
 
@@ -227,6 +235,13 @@ def test_all_vehicles_are_drawn(name, count, page):
     seek(driver, state(driver, "duration"))
     assert state(driver, "vehiclesDrawn") == count
     assert len(colors_of(driver, "plane")) > 20
+
+
+def test_who_has_left_is_not_drawn(page):
+    driver = page("left")
+    assert state(driver, "vehiclesDrawn") == 2
+    seek(driver, 36.0)
+    wait_for(lambda: state(driver, "vehiclesDrawn") == 1)
 
 
 def test_a_click_selects_and_shows_the_articulations(page):
