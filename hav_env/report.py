@@ -33,7 +33,7 @@ REPORT = (
     "path_length",
     "steps",
     "seed",
-    "episode",
+    "episode_number",  # "episode" is what RecordEpisodeStatistics writes
 )
 _SUCCESS, _HITS, _WAITS, _DISTANCE, _DUBINS, _JACKKNIFED, _POTENTIAL, _ACTUAL = range(8)
 _PARTNER, _LARGEST, _PATH, _STEPS, _SEED, _EPISODE = range(8, 14)
