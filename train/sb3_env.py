@@ -4,13 +4,18 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Unpack
 
 import numpy as np
-from stable_baselines3.common.vec_env import VecEnv
 
 from hav_env.advance import TERMINATED, TRUNCATED
 from hav_env.decision_process import DecisionProcess, Settings
 from hav_env.randomness import SEED_LIMIT
 from hav_env.screen import RENDER_FPS, Screen
 from hav_env.views import action_box, observation_box
+
+try:
+    from stable_baselines3.common.vec_env import VecEnv
+except ImportError as error:
+    message = "train.sb3_env needs stable-baselines3: pip install 'hav_env[training]'"
+    raise ImportError(message) from error
 
 
 class HAVVecEnv(VecEnv):
