@@ -6,7 +6,7 @@ import numba
 import numpy as np
 from hypothesis import settings
 
-from hav_env import Batch, RandomFleet, RandomPoses, Task
+from hav_env import Batch, Explicit, RandomFleet, RandomPoses, Task, explicit
 from hav_env.collision import enclose
 from hav_env.lanes import block_of, view_of
 from hav_env.world import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE
@@ -109,3 +109,31 @@ def bits(worlds, w: int = 0) -> list[bytes]:
     world = view_of(worlds, w)
     arrays = [*world.state, *world.fleet, world.goals, world.nearby.count, *world.record]
     return [array.tobytes() for array in arrays]
+
+
+def side_by_side(*distances, gap=30.0) -> Explicit:
+    """Return a scenario whose HAVs get to their goals by driving so far [m] straight on."""
+    start = [[0.0, gap * k, 0.0] for k in range(len(distances))]
+    goals = [[[far, gap * k, 0.0]] for k, far in enumerate(distances)]
+    return explicit([[3.0, 4.0]] * len(distances), start, goals)
+
+
+def leaves(value, name="") -> dict:
+    """Return all that is in nested dictionaries and sequences, by where it is."""
+    if isinstance(value, dict):
+        parts = value.items()
+    elif isinstance(value, tuple | list):
+        parts = enumerate(value)
+    elif isinstance(value, np.ndarray) and value.dtype == object:
+        parts = enumerate(value.tolist())
+    else:
+        return {name: value}
+    return {k: v for key, part in parts for k, v in leaves(part, f"{name}/{key}").items()}
+
+
+def exactly(value) -> dict:
+    """Return the same as types and bits, to be compared."""
+    return {
+        name: (type(part), getattr(part, "dtype", None), np.asarray(part).tobytes())
+        for name, part in leaves(value).items()
+    }
