@@ -1,6 +1,7 @@
 """What Gymnasium, PettingZoo and Stable-Baselines3 check of an environment holds for ours."""
 
 import warnings
+
 import gymnasium as gym
 import pytest
 from conftest import budget, side_by_side

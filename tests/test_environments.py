@@ -101,6 +101,21 @@ def info_of(outcome):
     return outcome[-1]
 
 
+# names that wrappers and trainers write their own things under
+RESERVED = {"episode", "final_obs", "final_info", "terminal_observation", "TimeLimit.truncated"}
+
+
+@faces
+def test_no_number_has_a_name_that_others_have_taken(face):
+    env = face()
+    env.reset(seed=0)
+    names = (env if hasattr(env, "_process") else env._world).__dict__
+    info = names["_process" if "_process" in names else "process"].info
+    assert len(set(info)) == len(info)
+    assert not RESERVED & set(info)
+    assert not [name for name in info if name.startswith("_")]
+
+
 def test_infos_of_agents_are_floats_under_the_same_names_at_every_step():
     env = parallel_env(num_havs=3, max_steps=5)
     names = list(env.reset(seed=0)[1]["hav_0"])

@@ -12,7 +12,8 @@ NUM_WORLDS, STEPS = 5, budget(60, 12)
 SWARM, SINGLE = "hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0"
 SHORT = {"max_steps": 7}
 # goals are hit at different times, so that worlds of one vector end one after the other
-EASY = {"task": Task(max_steps=25, distance_tolerance=40.0, heading_tolerance=1.0)}
+EASY = {"task": Task(max_steps=25, distance_tolerance=50.0, heading_tolerance=4.0)}
+EASY_TO_HIT = {"task": Task(max_steps=20, distance_tolerance=1.5, heading_tolerance=4.0)}
 CASES = {
     "swarm": (SWARM, SHORT),
     "swarm that arrives": (SWARM, EASY),
@@ -31,7 +32,7 @@ CASES = {
     "crossing": (SWARM, SHORT | {"scenario": "crossing-8"}),
     "yard": (SWARM, SHORT | {"scenario": "yard-4"}),
     "column": (SWARM, SHORT | {"scenario": "column-5"}),
-    "explicit": (SWARM, {"scenario": side_by_side(0.9, 2.0), "on_goal": "remove"}),
+    "explicit": (SWARM, {"scenario": side_by_side(2.0, 3.0), "on_goal": "remove", **EASY_TO_HIT}),
     "chains": (SWARM, SHORT | {"observation": Observation(neighbors=3, chains=True)}),
 }
 cases = pytest.mark.parametrize(("name", "settings"), list(CASES.values()), ids=CASES)
@@ -118,10 +119,10 @@ def test_each_world_has_its_own_seed_and_goes_on_with_it():
     assert info["seed"][:, 0].tolist() == [5, 6, 7]
     _, info = env.reset(seed=[3, None, 4])
     assert info["seed"][:, 0].tolist() == [3, 6, 4]
-    assert info["episode"][:, 0].tolist() == [0, 1, 0]
+    assert info["episode_number"][:, 0].tolist() == [0, 1, 0]
     for _ in range(2):  # an end and the step after it
         *_, info = env.step(env.action_space.sample())
-    assert info["episode"][:, 0].tolist() == [1, 2, 1]
+    assert info["episode_number"][:, 0].tolist() == [1, 2, 1]
 
 
 def test_one_thread_equals_two_when_there_are_many_worlds():

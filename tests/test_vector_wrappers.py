@@ -75,7 +75,7 @@ MASK = "reset_mask"
         ({"options": {MASK: np.zeros(4, bool)}}, ValueError, "true for at least one world"),
         ({"seed": [1, 2]}, ValueError, "2 seeds were given for 4 worlds"),
         ({"seed": [1, 2, 3, -4]}, ValueError, "seed is -4"),
-        ({"seed": -1}, ValueError, "seed is -1|[Ss]eed.*-1"),
+        ({"seed": -1}, gym.error.Error, "Seed must be .* zero, actual value: -1"),  # Gymnasium's
         ({"seed": 2**32 - 2}, ValueError, f"seed is {2**32}"),
         ({"seed": [1, 2, 3, "four"]}, ValueError, "seed is four"),
     ],
@@ -129,7 +129,8 @@ def test_worlds_are_drawn_side_by_side():
     env.reset(seed=0)
     frames = env.render()
     assert len(frames) == 4
-    assert {(frame.dtype, frame.ndim, frame.shape[2]) for frame in frames} == {(np.uint8, 3, 3)}
+    for frame in frames:
+        assert (frame.dtype, frame.ndim, frame.shape[2]) == (np.uint8, 3, 3)
     text = made(render_mode="ansi")
     text.reset(seed=0)
     assert len(set(text.render())) == 4

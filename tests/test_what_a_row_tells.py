@@ -120,7 +120,7 @@ def test_avoid_jack_needs_nothing_but_its_row(num_havs):
                     differing += 1
         shares = 2.0 * speed / limit[:, SPEED] - 1.0, steering / limit[:, STEERING]
         actions = np.stack(shares, axis=-1).transpose(1, 0, 2)
-        observation, _, terminated, truncated, _ = env.step(actions)
+        observation, _, _, truncated, _ = env.step(actions)
         if truncated.any():  # all worlds that have not ended before
             break
         driver.forget(batch.worlds.state.clock[0] == 0)

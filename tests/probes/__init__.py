@@ -1,4 +1,4 @@
-"""Policies, and a loop over lanes, that exist to be tested with.
+"""Policies, a reward and a loop over lanes that exist to be tested with.
 
 They have a folder of their own because compiled loops are cached under the digest of the folders
 that policies come from: the tests themselves can then change without a new compilation.
@@ -14,6 +14,7 @@ from hav_env import sensing
 from hav_env.compiled import entry
 from hav_env.elementary import atan2, exp, floor, sincos
 from hav_env.geometry import clip
+from hav_env.reward import REMAINING, WAITED, reward_terms
 
 
 class Weaving(NamedTuple):
@@ -117,6 +118,26 @@ def avoid_jack_one_by_one(policy, memory, world, agent, lane):
     )
     steering = atan2(left + weight * sine, forward + weight * cosine)
     return min(speed, safe), clip(steering, -steering_max, steering_max)
+
+
+class Watched(NamedTuple):
+    """Rewards that tell what their kernel is given."""
+
+    seconds: float = 1.0
+    east: float = 2.0
+    remaining: float = -0.5
+    was_remaining: float = 0.25
+    waited: float = 1.0
+
+
+@reward_terms.register(Watched)
+def watch(reward, duration, world, agent, before, remaining, terms):
+    for lane in range(world.lanes):
+        terms[0, agent, lane] = duration
+        terms[1, agent, lane] = world.state.x[agent, lane]
+        terms[2, agent, lane] = remaining[agent, lane]
+        terms[3, agent, lane] = before[agent, REMAINING, lane]
+        terms[4, agent, lane] = before[agent, WAITED, lane]
 
 
 SINE, COSINE, ANGLE, POWER, WHOLE = range(5)
