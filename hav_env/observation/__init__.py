@@ -14,7 +14,7 @@ from hav_env.observation.layout import (
     name_columns,
     settle,
 )
-from hav_env.observation.others import observe_neighbors
+from hav_env.observation.neighbors import observe_neighbors
 from hav_env.observation.route import (
     LENGTH,
     ROUTE_SIZE,

@@ -12,7 +12,7 @@ from baselines.policy import act, memory_size
 from baselines.pursuit import goal_attraction
 from hav_env import sensing
 from hav_env.compiled import entry
-from hav_env.elementary import atan2, exp, floor, sincos
+from hav_env.elementary import atan2, exp, floor, log, sincos
 from hav_env.geometry import clip
 from hav_env.reward import REMAINING, WAITED, reward_terms
 
@@ -140,12 +140,12 @@ def watch(reward, duration, world, agent, before, remaining, terms):
         terms[4, agent, lane] = before[agent, WAITED, lane]
 
 
-SINE, COSINE, ANGLE, POWER, WHOLE = range(5)
+SINE, COSINE, ANGLE, POWER, WHOLE, LOGARITHM = range(6)
 
 
 @entry
 def evaluate(first, last, a, b, results):
-    """Fill results (5, W), rows SINE .. WHOLE, with the functions of a and b (W,), lane by lane."""
+    """Fill results (6, W), rows SINE .. LOGARITHM, with the functions of a and b (W,)."""
     for w in range(first, last):
         results[SINE, w], results[COSINE, w] = sincos(a[w])
     for w in range(first, last):
@@ -154,3 +154,5 @@ def evaluate(first, last, a, b, results):
         results[POWER, w] = exp(a[w])
     for w in range(first, last):
         results[WHOLE, w] = floor(a[w])
+    for w in range(first, last):
+        results[LOGARITHM, w] = log(abs(a[w]) + 1.0)
