@@ -1,4 +1,4 @@
-"""What a fresh process costs: seconds to its first finished experiment, and memory.
+"""What a fresh process costs: seconds to its first finished experiment, imports, and memory.
 
 Run as a script it is that process: ``python -m benchmarks.fresh_process 500`` runs so many of the
 paper's experiments in slices, as ``python -m baselines reproduce`` does, and prints its peak
@@ -6,6 +6,7 @@ memory [MiB].
 """
 
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -13,6 +14,13 @@ import time
 
 _SLICE = 500  # episodes of one rollout; their records are dropped before the next
 _MODULE = "benchmarks.fresh_process"
+_IMPORT = """
+import sys, time
+start = time.perf_counter()
+import hav_env
+print(time.perf_counter() - start, *(name for name in sys.argv[1:] if name in sys.modules))
+"""
+HEAVY = ("torch", "pygame", "matplotlib")  # what hav_env must not load before it is needed
 
 
 def start_seconds() -> tuple[float, float]:
@@ -27,6 +35,20 @@ def start_seconds() -> tuple[float, float]:
             _run(1, NUMBA_CACHE_DIR=cache)
             seconds.append(time.perf_counter() - start)
     return seconds[0], seconds[1]
+
+
+def import_hav_env() -> tuple[float, list[str]]:
+    """Return how long [s] a fresh process imports hav_env, and what of ``HEAVY`` comes with it."""
+    command = [sys.executable, "-c", _IMPORT, *HEAVY]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    seconds, *loaded = done.stdout.split()
+    return float(seconds), loaded
+
+
+def import_seconds(repetitions: int = 5) -> tuple[float, list[str]]:
+    """Return the median of so many imports, and what of ``HEAVY`` any of them has loaded."""
+    seconds, loaded = zip(*(import_hav_env() for _ in range(repetitions)), strict=True)
+    return statistics.median(seconds), sorted(set().union(*loaded))
 
 
 def peak_memory(num_experiments: int) -> float:

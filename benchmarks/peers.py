@@ -8,25 +8,41 @@ from this project's and from each other, so the figures tell orders of magnitude
 
 import functools
 import importlib.util
-import itertools
-import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import tyro
 from rich.console import Console
-from rich.table import Table
 
+from benchmarks.clocks import DRAWN, Run, clocked, prepare_parallel
+from benchmarks.tables import new_table, rate_text
 from benchmarks.turns import medians_in_turns
 
 PACKAGES = ("mpe2", "vmas")
-_AGENTS = 2
+NUM_AGENTS = 2
 _HORIZON = 100  # steps after which VMAS's worlds are reset, all at once
 _NUM_ENVS = (1, 1_024, 16_384)
 _THREADS = (1, 2)
-_DRAWN = 16  # actions are drawn before the clock runs and used in turn
+_SCENARIOS = ("navigation", "simple_spread", "kinematic_bicycle")
 
-Run = Callable[[float], float]  # for so many seconds; returns agent-steps/s
+
+class Peer(NamedTuple):
+    """A task of another simulator, and how it is run."""
+
+    task: str
+    num_envs: int = 1
+    threads: int | None = None  # None: it knows no threads
+
+    def __str__(self) -> str:
+        """Return the name of its row."""
+        words = [self.task, "1 env" if self.num_envs == 1 else f"{self.num_envs:,} envs"]
+        if self.threads is not None:
+            words.append("1 thread" if self.threads == 1 else f"{self.threads} threads")
+        return ", ".join(words)
+
+
+MPE_SPREAD = "MPE2 simple_spread"
+NAVIGATION, VMAS_SPREAD, BICYCLE = (f"VMAS {scenario}" for scenario in _SCENARIOS)
 
 
 def missing_packages() -> list[str]:
@@ -34,26 +50,11 @@ def missing_packages() -> list[str]:
     return [name for name in PACKAGES if importlib.util.find_spec(name) is None]
 
 
-def simple_spread(seconds: float) -> float:
-    """Run MPE's simple_spread, one environment; resets included."""
+def prepare_mpe() -> Run:
+    """Return what runs MPE's simple_spread, one environment; resets included."""
     from mpe2 import simple_spread_v3  # noqa: PLC0415  (optional)
 
-    env = simple_spread_v3.parallel_env(N=_AGENTS)
-    env.reset(seed=0)
-    drawn = [
-        {agent: env.action_space(agent).sample() for agent in env.agents} for _ in range(_DRAWN)
-    ]
-    agent_steps, start = 0, time.perf_counter()
-    for actions in itertools.cycle(drawn):
-        env.step(actions)
-        agent_steps += _AGENTS
-        if not env.agents:
-            env.reset()
-        elapsed = time.perf_counter() - start
-        if elapsed >= seconds:
-            break
-    env.close()
-    return agent_steps / elapsed
+    return prepare_parallel(simple_spread_v3.parallel_env(N=NUM_AGENTS))
 
 
 def prepare_vmas(scenario: str, num_envs: int, threads: int) -> Run:
@@ -62,43 +63,43 @@ def prepare_vmas(scenario: str, num_envs: int, threads: int) -> Run:
     import vmas  # noqa: PLC0415
 
     env: Any = vmas.make_env(
-        scenario, num_envs, device="cpu", continuous_actions=True, seed=0, n_agents=_AGENTS
+        scenario, num_envs, device="cpu", continuous_actions=True, seed=0, n_agents=NUM_AGENTS
     )
-    drawn = [env.get_random_actions() for _ in range(_DRAWN)]
+    drawn = [env.get_random_actions() for _ in range(DRAWN)]
+    steps = 0
+
+    def take(actions: list) -> int:
+        nonlocal steps
+        env.step(actions)
+        steps += 1
+        if steps % _HORIZON == 0:
+            env.reset()
+        return num_envs * NUM_AGENTS
 
     def run(seconds: float) -> float:
         threads_before = torch.get_num_threads()
         torch.set_num_threads(threads)
         env.reset()
-        env.step(drawn[0])
-        start = time.perf_counter()
-        for step, actions in enumerate(itertools.cycle(drawn), 1):
-            env.step(actions)
-            if step % _HORIZON == 0:
-                env.reset()
-            elapsed = time.perf_counter() - start
-            if elapsed >= seconds:
-                break
+        take(drawn[0])
+        rate = clocked(take, drawn, seconds)
         torch.set_num_threads(threads_before)
-        return step * num_envs * _AGENTS / elapsed
+        return rate
 
     return run
 
 
-def _prepare() -> dict[str, Run]:
-    """Return the rows of the table and what measures them."""
-    runs: dict[str, Run] = {}
+def prepare_peers(num_envs: Iterable[int] = _NUM_ENVS) -> dict[Peer, Run]:
+    """Return what runs each of the peers that are installed, VMAS with so many environments."""
+    runs: dict[Peer, Run] = {}
     missing = missing_packages()
     if "mpe2" not in missing:
-        runs["MPE2 simple_spread, 1 env"] = simple_spread
+        runs[Peer(MPE_SPREAD)] = prepare_mpe()
     if "vmas" not in missing:
-        for scenario in ("navigation", "kinematic_bicycle"):
-            for num_envs in _NUM_ENVS:
+        for scenario in _SCENARIOS:
+            for count in num_envs:
                 for threads in _THREADS:
-                    unit = "env" if num_envs == 1 else "envs"
-                    plural = "thread" if threads == 1 else "threads"
-                    name = f"VMAS {scenario}, {num_envs:,} {unit}, {threads} {plural}"
-                    runs[name] = prepare_vmas(scenario, num_envs, threads)
+                    run = prepare_vmas(scenario, count, threads)
+                    runs[Peer(f"VMAS {scenario}", count, threads)] = run
     return runs
 
 
@@ -109,7 +110,7 @@ def peer_rates(repetitions: int = 3, seconds: float = 1.0) -> dict[str, float]:
         repetitions: of every measurement.
         seconds: that one measurement takes.
     """
-    runs = {name: functools.partial(run, seconds) for name, run in _prepare().items()}
+    runs = {str(peer): functools.partial(run, seconds) for peer, run in prepare_peers().items()}
     return medians_in_turns(runs, repetitions)
 
 
@@ -120,11 +121,10 @@ def main(repetitions: int = 3, seconds: float = 1.0) -> None:
         repetitions: of every measurement; the table shows medians.
         seconds: that one measurement takes.
     """
-    table = Table(title=f"peers on their own tasks, {_AGENTS} agents, random actions")
-    table.add_column("what")
-    table.add_column("agent-steps/s", justify="right")
+    title = f"peers on their own tasks, {NUM_AGENTS} agents, random actions"
+    table = new_table(title, "what", "agent-steps/s")
     for name, rate in peer_rates(repetitions, seconds).items():
-        table.add_row(name, f"{rate:,.0f}")
+        table.add_row(name, rate_text(rate))
     missing = missing_packages()
     if missing:
         table.caption = f"left out, not installed: {', '.join(missing)}"

@@ -17,12 +17,12 @@ from typing import Annotated, NamedTuple
 
 import tyro
 from rich.console import Console
-from rich.table import Table
 
 from benchmarks import fresh_process, limit
 from benchmarks.closed_loop import FIVE_TRAILERS, NO_POLICY, WORKLOADS, Version
 from benchmarks.kinematics import kinematics_rate
 from benchmarks.peers import missing_packages, peer_rates
+from benchmarks.tables import by_row, new_table, rate_text, ratio_text
 from benchmarks.turns import medians_in_turns
 from benchmarks.yardsticks import check, drive_plain_python, drive_small_arrays
 
@@ -63,14 +63,6 @@ def scalar_version() -> Iterator[Version | None]:
             yield version
         finally:
             version.close()
-
-
-def by_row(rates: dict[tuple[str, str], float]) -> dict[str, dict[str, float]]:
-    """Turn (row, column) -> rate into row -> column -> rate."""
-    rows: dict[str, dict[str, float]] = {}
-    for (row, column), rate in rates.items():
-        rows.setdefault(row, {})[column] = rate
-    return rows
 
 
 def measure_closed_loop(repetitions: int, share: float) -> dict[str, dict[str, float]]:
@@ -127,20 +119,18 @@ def show(figures: Figures) -> None:
     """Print the figures as tables and lines."""
     console = Console(width=110)
     plain, arrays = (figures.closed_loop[name]["1 thread"] for name in (PLAIN, ARRAYS))
-    table = _table("closed loop, HAV-steps/s (HAVs that wait do not count)", "what")
-    for column in ("1 thread", "2 threads", "2 : 1", "scalar", ": scalar"):
-        table.add_column(column, justify="right")
+    columns = "1 thread", "2 threads", "2 : 1", "scalar", ": scalar"
+    table = new_table("closed loop, HAV-steps/s (HAVs that wait do not count)", "what", *columns)
     for name, rates in figures.closed_loop.items():
         one, two, scalar = (rates.get(c) for c in ("1 thread", "2 threads", "scalar"))
-        table.add_row(
-            name, _rate(one), _rate(two), _ratio(two, one), _rate(scalar), _ratio(one, scalar)
-        )
+        cells = rate_text(one), rate_text(two), ratio_text(two, one)
+        table.add_row(name, *cells, rate_text(scalar), ratio_text(one, scalar))
     console.print(table)
     like = figures.closed_loop[FIVE_TRAILERS]["1 thread"]
     console.print(f"{FIVE_TRAILERS}: {like / plain:.0f} x {PLAIN}, {like / arrays:.0f} x {ARRAYS}")
-    table = _table("single HAV, one thread, beside the C++ yardstick, HAV-steps/s", "trailers")
-    for column in ("closed loop", "C++", ": C++", "kinematics alone", "C++", ": C++"):
-        table.add_column(column, justify="right")
+    title = "single HAV, one thread, beside the C++ yardstick, HAV-steps/s"
+    columns = "closed loop", "C++", ": C++", "kinematics alone", "C++", ": C++"
+    table = new_table(title, "trailers", *columns)
     for row, rates in figures.limits.items():
         cells = []
         for own, other in (
@@ -148,14 +138,13 @@ def show(figures: Figures) -> None:
             ("kinematics", "C++ kinematics alone"),
         ):
             one, two = rates[own], rates.get(other)
-            cells += [_rate(one), _rate(two), _ratio(one, two)]
+            cells += [rate_text(one), rate_text(two), ratio_text(one, two)]
         table.add_row(row, *cells)
     console.print(table)
     if figures.peers:
-        table = _table("peers on their own tasks, agent-steps/s", "what")
-        table.add_column("random actions", justify="right")
+        table = new_table("peers on their own tasks, agent-steps/s", "what", "random actions")
         for name, value in figures.peers.items():
-            table.add_row(name, _rate(value))
+            table.add_row(name, rate_text(value))
         console.print(table)
     for package in missing_packages():
         console.print(f"{package} is not installed: no rows of it")
@@ -166,20 +155,6 @@ def show(figures: Figures) -> None:
         )
     for count, memory in figures.memory.items():
         console.print(f"peak memory of {count:,} experiments: {memory:.0f} MiB")
-
-
-def _table(title: str, first: str) -> Table:
-    table = Table(title=title)
-    table.add_column(first)
-    return table
-
-
-def _rate(value: float | None) -> str:
-    return "" if value is None else f"{value:,.0f}"
-
-
-def _ratio(one: float | None, other: float | None) -> str:
-    return f"{one / other:.2f}" if one and other else ""
 
 
 def main(

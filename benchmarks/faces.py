@@ -1,0 +1,95 @@
+"""The faces of the simulator that learners step, and what measures each."""
+
+import importlib.util
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import gymnasium as gym
+
+import hav_env
+from benchmarks.clocks import (
+    Run,
+    prepare_parallel,
+    prepare_rows,
+    prepare_single,
+    prepare_vector,
+)
+from benchmarks.empty import EmptyParallelEnv, make_empty
+
+SWARM, SINGLE, SB3 = "HAVSwarm-v0", "HAVSingle-v0", "HAVVecEnv"
+HAVS = {SWARM: 2, SINGLE: 1}
+SHORT = 100  # steps of the episodes whose resets are to be felt
+MPE_STEPS = 25  # of an episode of MPE's simple_spread
+FEW_WORLDS = 1_024  # below, no second thread is woken
+PARALLEL, PARALLEL_SHORT = "hav_env.parallel_env()", f"the same, max_cycles={MPE_STEPS}"
+PARALLEL_EMPTY = "empty ParallelEnv"
+_THREADS = (1, 2)
+
+
+class Vector(NamedTuple):
+    """A row of the table of vector environments, in one of its columns."""
+
+    name: str
+    num_worlds: int
+    threads: int
+    max_steps: int | None = None  # None: the task's 20,000
+
+    @property
+    def column(self) -> str:
+        """The column's title."""
+        words = "1 thread" if self.threads == 1 else f"{self.threads} threads"
+        return words if self.max_steps is None else f"{words}, max_steps={self.max_steps}"
+
+
+def vector_rows(num_worlds: Iterable[int], singles: Iterable[int], rows: int) -> list[Vector]:
+    """Return what is measured of vector environments.
+
+    Args:
+        num_worlds, singles: of the swarm's and of the single HAV's.
+        rows: worlds of the one for Stable-Baselines3, if that is installed.
+    """
+    counts = [(SWARM, w) for w in num_worlds] + [(SINGLE, w) for w in singles]
+    if importlib.util.find_spec("stable_baselines3"):
+        counts.append((SB3, rows))
+    return [
+        Vector(name, count, threads, max_steps)
+        for name, count in counts
+        for max_steps in (None, SHORT)
+        for threads in _THREADS
+        if threads == 1 or name == SB3 or count >= FEW_WORLDS
+    ]
+
+
+def prepare_vector_row(row: Vector) -> Run:
+    """Return what measures a vector environment."""
+    rules = {} if row.max_steps is None else {"max_steps": row.max_steps}
+    if row.name == SB3:
+        from train.sb3_env import HAVVecEnv  # noqa: PLC0415  (optional)
+
+        return prepare_rows(HAVVecEnv(row.num_worlds, threads=row.threads, **rules))
+    env = gym.make_vec(f"hav_env:{row.name}", num_envs=row.num_worlds, threads=row.threads, **rules)
+    return prepare_vector(env, HAVS[row.name], row.max_steps)
+
+
+def prepare_singles() -> dict[str, Run]:
+    """Return what measures environments of one world, and those that do nothing."""
+    runs = {
+        PARALLEL: prepare_parallel(hav_env.parallel_env()),
+        PARALLEL_SHORT: prepare_parallel(hav_env.parallel_env(max_cycles=MPE_STEPS)),
+        PARALLEL_EMPTY: prepare_parallel(EmptyParallelEnv(hav_env.parallel_env())),
+    }
+    for name, num_havs in HAVS.items():
+        like = f"hav_env:{name}"
+        runs[made(name)] = prepare_single(gym.make(like), num_havs)
+        runs[empty(name)] = prepare_single(make_empty(like), num_havs)
+    return runs
+
+
+def made(name: str) -> str:
+    """Return the name of the row of an environment that ``gym.make`` makes."""
+    return f'gym.make("{name}")'
+
+
+def empty(name: str) -> str:
+    """Return the name of the row of the one that does nothing."""
+    return f"empty, as {name}"

@@ -1,0 +1,30 @@
+"""Tables of figures: rows and columns from keys, numbers as text."""
+
+from rich.table import Table
+
+
+def by_row(rates: dict[tuple[str, str], float]) -> dict[str, dict[str, float]]:
+    """Turn (row, column) -> rate into row -> column -> rate."""
+    rows: dict[str, dict[str, float]] = {}
+    for (row, column), rate in rates.items():
+        rows.setdefault(row, {})[column] = rate
+    return rows
+
+
+def new_table(title: str, first: str, *columns: str) -> Table:
+    """Return a table whose columns hold numbers, but for the first one."""
+    table = Table(title=title)
+    table.add_column(first)
+    for column in columns:
+        table.add_column(column, justify="right")
+    return table
+
+
+def rate_text(value: float | None) -> str:
+    """Return a rate as text; nothing when there is none."""
+    return "" if value is None else f"{value:,.0f}"
+
+
+def ratio_text(one: float | None, other: float | None) -> str:
+    """Return one rate over another one as text; nothing when one is missing."""
+    return f"{one / other:.2f}" if one and other else ""
