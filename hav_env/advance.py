@@ -6,7 +6,7 @@ import numpy as np
 
 from hav_env.compiled import VECTOR, entry, kernel, lanes_from
 from hav_env.geometry import clip
-from hav_env.lanes import LANES, block_of
+from hav_env.lanes import OBSERVED_LANES, block_of
 from hav_env.observation import observe, plan_route
 from hav_env.report import REPORT, write_report
 from hav_env.reward import WAITED, note_before, reward_terms
@@ -33,7 +33,7 @@ class Between(NamedTuple):
     before: np.ndarray  # (C, BEFORE_SIZE, W)
     route: np.ndarray  # (C, ROUTE_SIZE, W)
     returns: np.ndarray  # (T, C, W) sums of the weighted terms since the episode began
-    columns: np.ndarray  # (ranges, D, LANES) float32
+    columns: np.ndarray  # (ranges, D, OBSERVED_LANES) float32
 
 
 OPENING, STEPS, CLOSING = range(3)  # of an action: does it begin, for how many steps, does it end
@@ -74,8 +74,8 @@ def advance_worlds(
         part: OPENING .. CLOSING; others than the controlled HAVs may decide between parts.
     """
     duration = task.dt * part[STEPS]
-    for start in range(first, last, LANES):
-        block = block_of(worlds, start, min(LANES, last - start), worlds.units)
+    for start in range(first, last, OBSERVED_LANES):
+        block = block_of(worlds, start, min(OBSERVED_LANES, last - start), worlds.units)
         own = _block_of_between(between, start, first // VECTOR)
         told = _block_of_outcome(outcome, start)
         for agent in range(actions.shape[1]):

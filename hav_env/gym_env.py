@@ -111,7 +111,8 @@ class HAVSwarmEnv(_WorldEnv):
         super().__init__(world, JointView(world.process, team_reward, flatten))
 
     def _info(self, told: Outcome) -> dict[str, Any]:
-        return dict(zip(self._world.process.info, told.numbers[:-1, :, 0], strict=True))
+        # the last number, the reward, has no name
+        return dict(zip(self._world.process.info, told.numbers[..., 0], strict=False))
 
 
 class HAVSingleEnv(_WorldEnv):
@@ -144,4 +145,5 @@ class HAVSingleEnv(_WorldEnv):
         super().__init__(world, EgoView(world.process))
 
     def _info(self, told: Outcome) -> dict[str, Any]:
-        return dict(zip(self._world.process.info, told.numbers[:-1, 0, 0].tolist(), strict=True))
+        # the last number, the reward, has no name
+        return dict(zip(self._world.process.info, told.numbers.ravel().tolist(), strict=False))

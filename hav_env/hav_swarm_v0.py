@@ -138,8 +138,8 @@ class HAVSwarmParallelEnv(ParallelEnv):
             if agent not in self.agents:
                 known = ", ".join(self.agents) or "none"
                 raise ValueError(f"there is no agent {agent!r} to act; agents: {known}")
-            if np.shape(action) != (2,):
-                shape = np.shape(action)
+            shape = np.shape(action)
+            if shape != (2,):
                 raise ValueError(f"the action of {agent} has shape {shape}, but must have (2,)")
             gathered[0, self._places[agent]] = action
         if len(actions) < len(self.agents):
@@ -149,9 +149,10 @@ class HAVSwarmParallelEnv(ParallelEnv):
 
     def _infos(self, told: Outcome) -> dict[str, dict[str, float]]:
         names = self._world.process.info
-        rows = told.numbers[:-1, :, 0].T.tolist()
+        rows = told.numbers[..., 0].T.tolist()
+        # the last number, the reward, has no name
         return {
-            agent: dict(zip(names, row, strict=True))
+            agent: dict(zip(names, row, strict=False))
             for agent, row in zip(self.possible_agents, rows, strict=True)
         }
 

@@ -8,6 +8,9 @@ from hav_env.compiled import VECTOR, kernel, lanes_from, rare_kernel
 from hav_env.world import Fleet, Nearby, Record, State, World
 
 LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
+# the same where observations and rewards are written as well: these rows are many, and longer
+# ones are read ahead
+OBSERVED_LANES = 256
 
 
 @kernel

@@ -56,13 +56,18 @@ def entry(function: Callable) -> Any:
 
 
 def share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
-    """Run a loop over worlds on threads, each of which takes a range of them."""
-    share = -(-count // (threads * VECTOR)) * VECTOR
-    if count <= share:
-        loop(0, count, *args)
-        return
-    spans = [(first, min(first + share, count)) for first in range(0, count, share)]
-    run_on_threads(lambda span: loop(*span, *args), spans, threads)
+    """Run a loop over worlds on threads, each of which takes a range of them; this one, too."""
+    share = max(-(-count // (threads * VECTOR)), 1) * VECTOR
+    jobs = [
+        _pool(os.getpid(), threads).submit(loop, first, min(first + share, count), *args)
+        for first in range(share, count, share)
+    ]
+    try:
+        loop(0, min(share, count), *args)
+    finally:
+        concurrent.futures.wait(jobs)  # do not leave the arrays to loops that still write
+    for job in jobs:
+        job.result()
 
 
 def _signature(args: tuple) -> tuple:

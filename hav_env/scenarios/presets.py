@@ -68,7 +68,11 @@ def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:
     """
     found = find_scenario(scenario) if isinstance(scenario, str) else scenario
     check_scenario(found)
-    if num_havs is None or num_havs == found.num_havs:
+    if num_havs is None:
+        return found
+    if not isinstance(num_havs, int):
+        raise ValueError(f"num_havs is {num_havs}, but must be a whole number")
+    if num_havs == found.num_havs:
         return found
     if isinstance(found, Explicit):
         raise ValueError(
