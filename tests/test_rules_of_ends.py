@@ -55,6 +55,20 @@ def test_who_hit_the_last_goal_is_told_so_and_leaves():
     assert step == max(last.values())
 
 
+@pytest.mark.parametrize("frame_skip", [1, 2, 5])
+def test_what_is_told_last_was_seen_from_the_goal(frame_skip):
+    env = parallel_env(scenario=side_by_side(2.0, 9.0), on_goal="remove", frame_skip=frame_skip)
+    place = env._world.process.columns.index("goal_distance")
+    for observations, _, terminations, _, infos in run(env):
+        for agent, terminated in terminations.items():
+            if terminated:
+                assert infos[agent]["distance_to_goal"] < 0.5
+                assert observations[agent][place] == pytest.approx(
+                    np.log1p(infos[agent]["distance_to_goal"]) / np.log1p(1e4), abs=1e-6
+                )
+    assert not env.agents
+
+
 def test_nobody_senses_or_touches_who_has_left():
     env = parallel_env(scenario=FOLLOWING, on_goal="remove")
     outcomes = list(run(env))

@@ -12,7 +12,7 @@ NUM_WORLDS, STEPS = 5, budget(60, 12)
 SWARM, SINGLE = "hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0"
 SHORT = {"max_steps": 7}
 # goals are hit at different times, so that worlds of one vector end one after the other
-EASY = {"task": Task(max_steps=25, distance_tolerance=50.0, heading_tolerance=4.0)}
+EASY = {"task": Task(max_steps=budget(25, 9), distance_tolerance=50.0, heading_tolerance=4.0)}
 EASY_TO_HIT = {"task": Task(max_steps=20, distance_tolerance=1.5, heading_tolerance=4.0)}
 CASES = {
     "swarm": (SWARM, SHORT),

@@ -96,7 +96,7 @@ CASES = {
 @pytest.mark.parametrize("num_havs", CASES)
 def test_avoid_jack_needs_nothing_but_its_row(num_havs):
     policy, settings = CASES[num_havs]
-    worlds, steps = budget(6, 1), budget(2_000, 40)
+    worlds, steps = budget(6, 2), budget(2_000, 400)
     env = HAVSwarmVectorEnv(
         worlds, scenario="paper-single", num_havs=num_havs, max_steps=steps, **settings
     )
@@ -124,6 +124,6 @@ def test_avoid_jack_needs_nothing_but_its_row(num_havs):
         if truncated.any():  # all worlds that have not ended before
             break
         driver.forget(batch.worlds.state.clock[0] == 0)
-    assert checked > budget(5_000, 20) * num_havs / 2
+    assert checked > worlds * num_havs * steps / 5
     assert num_havs == 1 or evading > 0
-    assert differing < 0.005 * checked
+    assert differing <= 0.0005 * checked  # within the rounding of a row at a switch

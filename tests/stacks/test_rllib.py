@@ -1,7 +1,16 @@
 """RLlib steps and trains the swarm through its own wrapper."""
 
+import os
+import tempfile
+
 import numpy as np
 import pytest
+
+# read when Ray is loaded: no token and no results in the home directory, no report of its use
+os.environ["RAY_AUTH_MODE"] = "disabled"
+os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
+os.environ["TUNE_RESULT_DIR"] = tempfile.mkdtemp()
+
 import ray
 from ray.rllib.algorithms.ppo import PPOConfig
 from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
