@@ -1,15 +1,13 @@
 """RLlib steps and trains the swarm through its own wrapper."""
 
 import os
-import tempfile
 
 import numpy as np
 import pytest
 
-# read when Ray is loaded: no token and no results in the home directory, no report of its use
+# read when Ray is loaded: no token in the home directory, no report of its use
 os.environ["RAY_AUTH_MODE"] = "disabled"
 os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
-os.environ["TUNE_RESULT_DIR"] = tempfile.mkdtemp()
 
 import ray
 from ray.rllib.algorithms.ppo import PPOConfig
@@ -54,7 +52,10 @@ def test_who_has_left_is_not_asked_any_more():
 
 
 @pytest.fixture
-def cluster():
+def cluster(monkeypatch, tmp_path):
+    """Run Ray in this process, and keep its results out of the home directory."""
+    place = "ray.tune.trainable.trainable.DEFAULT_STORAGE_PATH"
+    monkeypatch.setattr(place, str(tmp_path), raising=False)
     ray.init(num_cpus=1, include_dashboard=False, log_to_driver=False)
     yield
     ray.shutdown()
