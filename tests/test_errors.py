@@ -46,6 +46,11 @@ SETTINGS = [
     ({"threads": 1.5}, (TypeError, ValueError), "threads is 1.5"),
     ({"task": Task(dt=-1.0)}, ValueError, "dt is -1.0"),
     ({"speed": 3}, TypeError, "unknown argument 'speed'"),
+    ({"observation": 3}, TypeError, "observation"),
+    ({"task": {"dt": 0.1}}, TypeError, "task"),
+    ({"vehicle": "car"}, TypeError, "'car' is not a vehicle"),
+    ({"reward": Reward(goal="much")}, (TypeError, ValueError), "reward goal is much"),
+    ({"controlled": 1}, TypeError, "controlled"),
     ({"render_mode": "hologram"}, ValueError, "render_mode is 'hologram'"),
 ]
 
@@ -69,6 +74,12 @@ def test_what_only_one_environment_takes_is_named_too(name, settings, message):
     for make in (gym.make, gym.make_vec):
         with pytest.raises(ValueError, match=message):
             make(name, **settings)
+
+
+@pytest.mark.parametrize("name", ["parallel", "swarm", "swarms", "rows"])
+def test_a_policy_for_others_is_unknown_where_there_are_none(name):
+    with pytest.raises(TypeError, match="unknown argument 'others'"):
+        MAKERS[name](others="avoid_jack")
 
 
 @pytest.mark.parametrize("cycles", [0, -1, 2.5, "many"])
