@@ -18,7 +18,7 @@ from hav_env.compiled import (
     run_on_threads,
 )
 from hav_env.lanes import LANES, block_of, exchange_lanes, exchange_worlds
-from hav_env.transition import ended, step
+from hav_env.transition import ended, remove_arrived, step
 from hav_env.vehicles import OnAxle
 from hav_env.world import FEW, allocate_worlds
 
@@ -51,6 +51,7 @@ def rollout_worlds(
         lanes = min((active + VECTOR - 1) // VECTOR * VECTOR, stage.lanes)
         block = block_of(stage, 0, lanes, stage.units)
         act_all(policy, memory, block, speed, steering)
+        remove_arrived(task, block)
         if step(task, vehicle, block, speed, steering) == 0:
             continue
         for lane in range(active - 1, -1, -1):

@@ -10,7 +10,7 @@ from hav_env.lanes import OBSERVED_LANES, block_of
 from hav_env.observation import observe, plan_route
 from hav_env.report import REPORT, write_report
 from hav_env.reward import WAITED, note_before, reward_terms
-from hav_env.transition import late, step, terminated
+from hav_env.transition import late, remove_arrived, step, terminated
 from hav_env.world import SPEED, STEERING
 
 
@@ -82,6 +82,8 @@ def advance_worlds(
             _command(block, own, agent, actions[start:])
             if part[OPENING]:
                 note_before(block, agent, own.remaining, own.before)
+        if part[OPENING]:
+            remove_arrived(task, block)
         for _ in range(part[STEPS]):
             step(task, vehicle, block, own.command[0], own.command[1])
         if part[CLOSING]:

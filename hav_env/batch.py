@@ -9,7 +9,7 @@ from hav_env.lanes import LANES, block_of, view_of
 from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.task import END, Task, check_task
-from hav_env.transition import begin, step
+from hav_env.transition import begin, remove_arrived, step
 from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds
 
@@ -32,6 +32,7 @@ def step_worlds(first, last, task, vehicle, worlds, speed, steering):
     """Advance a range of worlds by one step, block by block."""
     for start in range(first, last, LANES):
         block = block_of(worlds, start, min(LANES, last - start), worlds.units)
+        remove_arrived(task, block)
         step(task, vehicle, block, lanes_from(speed, start), lanes_from(steering, start))
 
 
@@ -63,6 +64,8 @@ class Batch:
         """
         if num_worlds < 1:
             raise ValueError(f"num_worlds is {num_worlds}, but must be at least 1")
+        if threads is not None and (not isinstance(threads, int) or threads < 1):
+            raise ValueError(f"threads is {threads}, but must be a whole number of at least 1")
         check_scenario(scenario)
         check_task(task)
         check_vehicle(vehicle)

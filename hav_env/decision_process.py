@@ -57,6 +57,7 @@ class DecisionProcess:
         num_worlds: int = 1,
         controlled: int | None = None,
         others: Any = None,
+        /,  # so that these are no arguments of environments that do not name them
         *,
         scenario: Any = "paper-pair",
         num_havs: int | None = None,
@@ -87,17 +88,18 @@ class DecisionProcess:
         scenario = scenario_of(scenario, num_havs)
         check_observation(observation)
         check_reward(reward)
-        if not isinstance(frame_skip, int) or frame_skip < 1:
+        if not isinstance(frame_skip, int | np.integer) or frame_skip < 1:
             raise ValueError(f"frame_skip is {frame_skip}, but must be a whole number >= 1")
         self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
         n, w = scenario.num_havs, num_worlds
         c = n if controlled is None else controlled
         self.num_controlled, self.num_havs, self.num_worlds = c, n, w
-        self.frame_skip = frame_skip
+        self.frame_skip = int(frame_skip)
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
         self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
-        self._driver = None if others is None or c == n else driver_of(others, self.batch)
+        driver = None if others is None else driver_of(others, self.batch)
+        self._driver = driver if c < n else None  # nobody is left to be driven
         self._models = self.batch.task, self.batch.vehicle, canonical(reward), self.observation
         ranges = -(-w // VECTOR)
         self._between = Between(
@@ -111,6 +113,10 @@ class DecisionProcess:
         self._advance: Any = None
         self._told: list[Outcome] = []  # the last two
         self._threads = min(threads or default_threads(), max(1, c * w // _FEWEST))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what is compiled: a copy asks for it again."""
+        return self.__dict__ | {"_advance": None}
 
     def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
         """Begin episodes in the worlds that are chosen.

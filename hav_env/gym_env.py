@@ -141,7 +141,7 @@ class HAVSingleEnv(_WorldEnv):
             ValueError, TypeError: naming the argument, its value and what is allowed.
         """
         settings.setdefault("scenario", "paper-single")
-        world = SingleWorld(render_mode, controlled=1, others=others, **settings)
+        world = SingleWorld(render_mode, 1, others, **settings)
         super().__init__(world, EgoView(world.process))
 
     def _info(self, told: Outcome) -> dict[str, Any]:

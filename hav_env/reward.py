@@ -83,8 +83,8 @@ def check_reward(reward) -> None:
     if type(reward) not in reward_terms.table:
         raise TypeError(f"{reward!r} is not a reward: register its type with reward_terms")
     for field, value in reward._asdict().items():
-        if not math.isfinite(value):
-            raise ValueError(f"reward {field} is {value}, but must be finite")
+        if not isinstance(value, int | float) or not math.isfinite(value):
+            raise ValueError(f"reward {field} is {value}, but must be a finite number")
 
 
 @kernel

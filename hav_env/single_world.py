@@ -26,17 +26,24 @@ class SingleWorld:
     pair (s, k) names the same episode as in a rollout.
     """
 
-    def __init__(self, render_mode: str | None, **arguments: Any) -> None:
+    def __init__(
+        self,
+        render_mode: str | None,
+        controlled: int | None = None,
+        others: Any = None,
+        /,
+        **arguments: Any,
+    ) -> None:
         """Build the world.
 
         Args:
             render_mode: how the screen shows it.
-            arguments: as of ``DecisionProcess``.
+            controlled, others, arguments: as of ``DecisionProcess``.
 
         Raises:
             ValueError, TypeError: naming the argument, its value and what is allowed.
         """
-        self.process = DecisionProcess(1, **arguments)
+        self.process = DecisionProcess(1, controlled, others, **arguments)
         self.screen = Screen(render_mode, self.process.batch)
         self._key: tuple[int, int] | None = None
 
@@ -54,18 +61,20 @@ class SingleWorld:
         Raises:
             ValueError: naming what is wrong with seed or options.
         """
-        options = dict(options or {})
+        options = {name: value for name, value in (options or {}).items() if value is not None}
         for name in sorted(set(options) - set(_OPTIONS), key=str):
             known = ", ".join(_OPTIONS)
             warnings.warn(f"reset ignores the option {name!r}; known: {known}", stacklevel=3)
-        self._key = self._next_key(seed, options.get("episode"), generator)
+        key = self._next_key(seed, options.get("episode"), generator)
+        self._key = None  # until the episode has begun
         told = self.process.outcome()
-        keys = np.array([self._key], np.int64).T
+        keys = np.array([key], np.int64).T
         self.process.begin(keys[0], keys[1], _HERE)
         written = {name: options[name] for name in ("lengths", "start", "goals") if name in options}
         if written:
-            self._write(written, self._key)
+            self._write(written, key)
         self.process.look(_HERE, told)
+        self._key = key
         self.screen.forget(_HERE)
         return told
 
@@ -113,6 +122,7 @@ class SingleWorld:
             speed_max=limit[SPEED],
             steering_max=limit[STEERING],
             articulation_max=limit[ARTICULATION],
+            footprint_truck_share=getattr(scenario, "fleet", scenario).footprint_truck_share,
         )
         for field, name in (("num_havs", "HAVs"), ("num_goals", "goals of each HAV")):
             if getattr(found, field) != getattr(scenario, field):

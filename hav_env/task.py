@@ -33,8 +33,11 @@ def set_rules(task: Task, **rules) -> Task:
     """Return the task with other rules, checked: ``set_rules(Task(), on_goal="remove")``.
 
     Raises:
-        TypeError: when there is no such rule; ValueError: when a value is not allowed.
+        TypeError: when this is no task or there is no such rule.
+        ValueError: when a value is not allowed.
     """
+    if not isinstance(task, Task):
+        raise TypeError(f"task is {task!r}, but must be a Task")
     unknown = sorted(set(rules) - set(Task._fields))
     if unknown:
         raise TypeError(f"unknown argument {unknown[0]!r}; rules are: {', '.join(Task._fields)}")

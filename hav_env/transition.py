@@ -65,8 +65,6 @@ def step(task, vehicle, world, speed, steering):
     """
     num_havs, hits, events = world.state.x.shape[0], 0, 0
     late_worlds = _count_step(task, world)
-    if task.on_goal == REMOVE:
-        _remove_arrived(world)
     for hav in range(num_havs):
         agent = fixed(hav)
         _command(world, agent, speed, steering)
@@ -122,9 +120,18 @@ def _begin_phase(world, lane, phase):
         assign_goal(world, agent, lane)
 
 
+@kernel
+def remove_arrived(task, world):
+    """Let HAVs that have hit their last goals leave, if that is the rule; each to its own place.
+
+    Whoever takes an action calls this first, so that what an action led to is seen before.
+    """
+    if task.on_goal == REMOVE:
+        _remove_arrived(world)
+
+
 @rare_kernel
 def _remove_arrived(world):
-    """Take HAVs that wait at their last goals out of the world, each to a place of its own."""
     state = world.state
     for lane in range(world.lanes):
         for agent in range(state.x.shape[0]):

@@ -1,6 +1,7 @@
 """Gymnasium's vector environments: W compiled worlds, stepped together."""
 
 import numbers
+import warnings
 from typing import Any, Unpack
 
 import numpy as np
@@ -122,6 +123,8 @@ class _WorldsVectorEnv(VectorEnv):
         self._screen.close()
 
     def _chosen(self, options: dict[str, Any]) -> np.ndarray:
+        for name in sorted(set(options) - {"reset_mask"}, key=str):
+            warnings.warn(f"reset ignores the option {name!r}; known: reset_mask", stacklevel=3)
         if "reset_mask" not in options:
             return np.ones(self.num_envs, np.bool_)
         mask = options["reset_mask"]
@@ -223,5 +226,5 @@ class HAVSingleVectorEnv(_WorldsVectorEnv):
     ) -> None:
         """Build the environments; arguments as for ``HAVSwarmVectorEnv`` and ``HAVSingleEnv``."""
         settings.setdefault("scenario", "paper-single")
-        process = DecisionProcess(num_envs, controlled=1, others=others, **settings)
+        process = DecisionProcess(num_envs, 1, others, **settings)
         super().__init__(process, EgoView(process), autoreset_mode, render_mode)

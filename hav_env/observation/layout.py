@@ -68,7 +68,14 @@ class Observation(NamedTuple):
 
 
 def check_observation(observation: Observation) -> None:
-    """Raise ValueError unless the number of neighbours is a whole number that is not negative."""
+    """Check what is seen.
+
+    Raises:
+        ValueError: unless the number of neighbours is a whole number that is not negative.
+        TypeError: when this is no observation.
+    """
+    if not isinstance(observation, Observation):
+        raise TypeError(f"observation is {observation!r}, but must be an Observation")
     neighbors = observation.neighbors
     if not isinstance(neighbors, int) or neighbors < 0:
         raise ValueError(f"observation neighbors is {neighbors}, but must be a whole number >= 0")

@@ -26,6 +26,7 @@ class Explicit(NamedTuple):
     speed_max: float
     steering_max: float
     articulation_max: float
+    footprint_truck_share: float = 0.0
 
 
 def explicit(
@@ -36,6 +37,7 @@ def explicit(
     speed_max: float = 1.0,
     steering_max: float = math.radians(40.0),
     articulation_max: float = math.pi / 2,
+    footprint_truck_share: float = 0.0,
 ) -> Explicit:
     """Write a scenario down.
 
@@ -44,6 +46,7 @@ def explicit(
         start: for each HAV x [m], y [m], heading [rad].
         goals: for each HAV its goal poses, as many as the others have.
         speed_max, steering_max, articulation_max: limits of all HAVs [m/s, rad, rad].
+        footprint_truck_share: share of the truck's length in the footprint radius d_i.
 
     Raises:
         ValueError: naming the HAV and what is wrong with it.
@@ -76,6 +79,7 @@ def explicit(
         float(speed_max),
         float(steering_max),
         float(articulation_max),
+        float(footprint_truck_share),
     )
     check_explicit(scenario)
     return scenario
@@ -101,7 +105,9 @@ def _from_json(data: Any) -> Explicit:
     if not isinstance(data, dict) or not isinstance(data.get("havs"), list):
         raise ValueError('a scenario is an object with a list "havs"')
     limits = {name: data[name] for name in data if name != "havs"}
-    unknown = set(limits) - {"speed_max", "steering_max", "articulation_max"}
+    unknown = set(limits) - {
+        *("speed_max", "steering_max", "articulation_max", "footprint_truck_share")
+    }
     if unknown:
         raise ValueError(f"unknown entry {sorted(unknown)[0]!r}")
     columns: dict[str, list] = {"lengths": [], "start": [], "goals": []}
@@ -140,10 +146,13 @@ def check_explicit(scenario: Explicit) -> None:
         if not value > 0 or too_large:
             rule = f"at most {most:.6g}" if field == "articulation_max" else f"below {most:.6g}"
             raise ValueError(f"scenario {field} is {value}, but must be above 0 and {rule}")
+    share = scenario.footprint_truck_share
+    if not 0 <= share <= 1:
+        raise ValueError(f"scenario footprint_truck_share is {share}, but must be in [0, 1]")
     places = np.concatenate([scenario.start[:, None], scenario.goals], axis=1)  # (N, 1 + G, 3)
     radius = np.array(
         [
-            sum(units[1 : count + 1])
+            scenario.footprint_truck_share * units[0] + sum(units[1 : count + 1])
             for units, count in zip(scenario.length, scenario.num_trailers, strict=True)
         ]
     )
@@ -173,7 +182,7 @@ def populate_explicit(scenario, world, lane):
         for unit in range(scenario.num_trailers[agent] + 1):
             fleet.length[agent, unit, lane] = scenario.length[agent, unit]
         set_limits(scenario, fleet, agent, lane)
-        derive_radii(fleet, agent, lane, 0.0)
+        derive_radii(fleet, agent, lane, scenario.footprint_truck_share)
         x, y, heading = scenario.start[agent]
         put_straight(world.state, agent, lane, x, y, heading)
         for goal in range(scenario.num_goals):

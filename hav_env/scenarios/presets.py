@@ -15,6 +15,8 @@ The fleets are the paper's throughout; everything else is in the docstrings of t
 import pathlib
 from typing import Any
 
+import numpy as np
+
 from hav_env.scenarios import (
     Column,
     Crossing,
@@ -70,7 +72,7 @@ def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:
     check_scenario(found)
     if num_havs is None:
         return found
-    if not isinstance(num_havs, int):
+    if not isinstance(num_havs, int | np.integer):
         raise ValueError(f"num_havs is {num_havs}, but must be a whole number")
     if num_havs == found.num_havs:
         return found
@@ -79,6 +81,6 @@ def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:
             f"num_havs is {num_havs}, but an explicit scenario has the HAVs that are written down:"
             f" {found.num_havs}"
         )
-    changed = found._replace(num_havs=num_havs)
+    changed = found._replace(num_havs=int(num_havs))
     check_scenario(changed)
     return changed
