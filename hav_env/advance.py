@@ -33,7 +33,7 @@ class Between(NamedTuple):
     before: np.ndarray  # (C, BEFORE_SIZE, W)
     route: np.ndarray  # (C, ROUTE_SIZE, W)
     returns: np.ndarray  # (T, C, W) sums of the weighted terms since the episode began
-    columns: np.ndarray  # (ranges, D, OBSERVED_LANES) float32
+    columns: np.ndarray  # (ranges, D, APART) float32
 
 
 OPENING, STEPS, CLOSING = range(3)  # of an action: does it begin, for how many steps, does it end

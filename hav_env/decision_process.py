@@ -12,7 +12,7 @@ import numpy as np
 from hav_env.advance import Between, Outcome, advance_worlds, look_at_worlds
 from hav_env.batch import Batch, begin_worlds, check_placed
 from hav_env.compiled import VECTOR, canonical, default_threads, share_out
-from hav_env.lanes import OBSERVED_LANES
+from hav_env.lanes import APART
 from hav_env.observation import (
     ROUTE_SIZE,
     Observation,
@@ -108,7 +108,7 @@ class DecisionProcess:
             np.zeros((c, BEFORE_SIZE, w)),
             np.zeros((c, ROUTE_SIZE, w)),
             np.zeros((len(reward), c, w)),
-            np.zeros((ranges, len(self.columns), OBSERVED_LANES), np.float32),
+            np.zeros((ranges, len(self.columns), APART), np.float32),
         )
         self._advance: Any = None
         self._told: list[Outcome] = []  # the last two

@@ -7,7 +7,6 @@ from hav_env.elementary import floor
 
 TWO_PI = 2.0 * math.pi
 TURNS_PER_RADIAN = 1.0 / TWO_PI
-_TINY = 1e-300  # keeps 0 / 0 away
 
 
 @kernel
@@ -29,12 +28,13 @@ def into_frame(dx, dy, cosine, sine):
 
 
 @kernel
-def nearest_on_segment(ax, ay, bx, by, px, py):
-    """Return the point of the segment a-b that is nearest to p."""
-    dx, dy = bx - ax, by - ay
-    along = (px - ax) * dx + (py - ay) * dy
-    share = clip(along / max(dx * dx + dy * dy, _TINY), 0.0, 1.0)
-    return ax + share * dx, ay + share * dy
+def nearest_on_segment(ax, ay, dx, dy, length, px, py):
+    """Return the point nearest to p on the segment from a that is ``length`` long.
+
+    (dx, dy) is the segment's direction, of length 1.
+    """
+    along = clip((px - ax) * dx + (py - ay) * dy, 0.0, length)
+    return ax + along * dx, ay + along * dy
 
 
 @kernel

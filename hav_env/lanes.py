@@ -11,6 +11,7 @@ LANES = 64  # worlds of a block: few enough for the nearest cache, many enough f
 # the same where observations and rewards are written as well: these rows are many, and longer
 # ones are read ahead
 OBSERVED_LANES = 256
+APART = OBSERVED_LANES + VECTOR  # rows at this distance do not drive each other out of the cache
 
 
 @kernel

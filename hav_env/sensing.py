@@ -7,7 +7,7 @@ and it makes every policy indifferent to where in the plane the world lies.
 
 import math
 
-from hav_env.collision import axle_behind, front_axle
+from hav_env.collision import front_axle
 from hav_env.compiled import kernel
 from hav_env.geometry import into_frame, nearest_on_segment, wrap
 from hav_env.world import (
@@ -182,12 +182,13 @@ def neighbor_nearest_point(world, agent, k, lane):
     ax, ay = front_axle(world, other, lane)
     least, nearest_x, nearest_y = math.inf, ax, ay
     for unit in range(world.fleet.num_trailers[other, lane] + 1):
-        bx, by = axle_behind(world, other, unit, lane, ax, ay)
-        px, py = nearest_on_segment(ax, ay, bx, by, x, y)
+        length = world.fleet.length[other, unit, lane]
+        back_x, back_y = -state.cosine[other, unit, lane], -state.sine[other, unit, lane]
+        px, py = nearest_on_segment(ax, ay, back_x, back_y, length, x, y)
         squared = (px - x) * (px - x) + (py - y) * (py - y)
         if squared < least:
             least, nearest_x, nearest_y = squared, px, py
-        ax, ay = bx, by
+        ax, ay = ax + length * back_x, ay + length * back_y
     return into_truck_frame(state, agent, lane, nearest_x - x, nearest_y - y)
 
 

@@ -57,13 +57,16 @@ def entry(function: Callable) -> Any:
 
 def share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
     """Run a loop over worlds on threads, each of which takes a range of them; this one, too."""
-    share = max(-(-count // (threads * VECTOR)), 1) * VECTOR
+    share = -(-count // (threads * VECTOR)) * VECTOR
+    if count <= share:
+        loop(0, count, *args)
+        return
     jobs = [
         _pool(os.getpid(), threads).submit(loop, first, min(first + share, count), *args)
         for first in range(share, count, share)
     ]
     try:
-        loop(0, min(share, count), *args)
+        loop(0, share, *args)
     finally:
         concurrent.futures.wait(jobs)  # do not leave the arrays to loops that still write
     for job in jobs:

@@ -2,7 +2,7 @@
 
 import math
 
-from hav_env.compiled import kernel
+from hav_env.compiled import fixed, kernel
 from hav_env.geometry import clip
 from hav_env.observation.layout import (
     CHAIN,
@@ -35,11 +35,16 @@ from hav_env.sensing import (
 
 @kernel
 def observe_neighbors(observation, world, agent, columns):
-    """Write the columns of the K nearest neighbours, nearest first; zeros where there are fewer."""
+    """Write the columns of the K nearest neighbours, nearest first; zeros where there are fewer.
+
+    Who they are differs from lane to lane, so one lane after the other is looked at; what takes
+    roots and logarithms is then worked out for all lanes at once.
+    """
     joints = world.state.heading.shape[1] - 1
     size = CHAIN + (3 * joints if observation.chains else 0)
     first = UNITS + 1 + 3 * joints
-    for column in range(first, first + size * observation.neighbors):
+    for number in range(first, first + size * observation.neighbors):
+        column = fixed(number)
         for lane in range(world.lanes):
             columns[column, lane] = 0.0
     for lane in range(world.lanes):
@@ -47,9 +52,11 @@ def observe_neighbors(observation, world, agent, columns):
         for rank in range(min(observation.neighbors, num_neighbors(world, agent, lane))):
             nearest, least = _next_nearest(world, agent, lane, nearest, least)
             column = first + size * rank
-            _observe_neighbor(world, agent, nearest, columns, column, lane)
+            _look_at_neighbor(world, agent, nearest, least, columns, column, lane)
             if observation.chains:
                 _observe_chain(world, agent, nearest, columns, column + CHAIN, lane)
+    for rank in range(observation.neighbors):
+        _scale_neighbor(world, columns, fixed(first + size * rank))
 
 
 @kernel
@@ -77,21 +84,36 @@ def _next_nearest(world, agent, lane, before, least):
 
 
 @kernel
-def _observe_neighbor(world, agent, k, columns, column, lane):
+def _look_at_neighbor(world, agent, k, gap, columns, column, lane):
+    """Write a neighbour's columns in metres: places as forward and left, distances as they are."""
     columns[column + PRESENT, lane] = 1.0
     forward, left = neighbor_position(world, agent, k, lane)
-    write_place(columns, column + PLACE, lane, forward, left)
+    columns[column + PLACE + 1, lane], columns[column + PLACE + 2, lane] = forward, left
     cosine, sine = neighbor_heading_direction(world, agent, k, lane)
     write_direction(columns, column + RELATIVE_HEADING, lane, cosine, sine)
-    columns[column + OTHER_FOOTPRINT, lane] = scale_distance(
-        neighbor_footprint(world, agent, k, lane)
-    )
-    gap = clearance(world, agent, k, lane)
-    scaled = scale_distance(abs(gap))
-    columns[column + CLEARANCE, lane] = -scaled if gap < 0.0 else scaled
-    columns[column + TRUCK, lane] = scale_length(neighbor_length(world, agent, k, 0, lane))
+    columns[column + OTHER_FOOTPRINT, lane] = neighbor_footprint(world, agent, k, lane)
+    columns[column + CLEARANCE, lane] = gap
+    columns[column + TRUCK, lane] = neighbor_length(world, agent, k, 0, lane)
     forward, left = neighbor_nearest_point(world, agent, k, lane)
-    write_place(columns, column + NEAREST, lane, forward, left)
+    columns[column + NEAREST + 1, lane], columns[column + NEAREST + 2, lane] = forward, left
+
+
+@kernel
+def _scale_neighbor(world, columns, column):
+    """Turn metres into what a row holds; zeros stay zeros."""
+    for lane in range(world.lanes):
+        forward, left = columns[column + PLACE + 1, lane], columns[column + PLACE + 2, lane]
+        write_place(columns, column + PLACE, lane, forward, left)
+    for lane in range(world.lanes):
+        forward, left = columns[column + NEAREST + 1, lane], columns[column + NEAREST + 2, lane]
+        write_place(columns, column + NEAREST, lane, forward, left)
+    for lane in range(world.lanes):
+        gap = columns[column + CLEARANCE, lane]
+        scaled = scale_distance(abs(gap))
+        columns[column + CLEARANCE, lane] = -scaled if gap < 0.0 else scaled
+        footprint = columns[column + OTHER_FOOTPRINT, lane]
+        columns[column + OTHER_FOOTPRINT, lane] = scale_distance(footprint)
+        columns[column + TRUCK, lane] = scale_length(columns[column + TRUCK, lane])
 
 
 @kernel
