@@ -1,5 +1,6 @@
 """One world for environments that step one: its episodes, what may be written into it, pictures."""
 
+import math
 import numbers
 import warnings
 from typing import Any
@@ -8,7 +9,7 @@ import numpy as np
 
 from hav_env.advance import Outcome
 from hav_env.batch import check_seed
-from hav_env.decision_process import DecisionProcess
+from hav_env.decision_process import DecisionProcess, check_finite
 from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import explicit
 from hav_env.screen import Screen
@@ -86,6 +87,9 @@ class SingleWorld:
         """
         if self._key is None:
             raise RuntimeError("call reset before step: there is no episode yet")
+        # of a few numbers, a list is looked at in half the time
+        if not all(map(math.isfinite, actions.ravel().tolist())):
+            check_finite(actions)
         return self.process.step(actions)
 
     def _next_key(

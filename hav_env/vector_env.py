@@ -10,7 +10,7 @@ from gymnasium.vector.utils import batch_space
 
 from hav_env.advance import TERMINATED, TRUNCATED
 from hav_env.batch import check_seed
-from hav_env.decision_process import DecisionProcess, Settings
+from hav_env.decision_process import DecisionProcess, Settings, check_finite
 from hav_env.randomness import SEED_LIMIT
 from hav_env.screen import RENDER_FPS, Screen
 from hav_env.views import EgoView, JointView, Team
@@ -88,6 +88,7 @@ class _WorldsVectorEnv(VectorEnv):
             raise ValueError(
                 f"the actions have shape {actions.shape}, but must have {self.action_space.shape}"
             )
+        check_finite(actions)
         if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
             ended = np.flatnonzero(self._over).tolist()
             raise RuntimeError(f"reset the worlds {ended} first: their episodes have ended")

@@ -6,7 +6,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from hav_env.advance import TERMINATED, TRUNCATED
-from hav_env.decision_process import DecisionProcess, Settings
+from hav_env.decision_process import DecisionProcess, Settings, check_finite
 from hav_env.randomness import SEED_LIMIT
 from hav_env.screen import RENDER_FPS, Screen
 from hav_env.views import action_box, observation_box
@@ -81,6 +81,7 @@ class HAVVecEnv(VecEnv):
         if actions.shape != (self.num_envs, 2):
             shape = actions.shape
             raise ValueError(f"the actions have shape {shape}, but must have ({self.num_envs}, 2)")
+        check_finite(actions)
         self._actions = actions.reshape(self._actions.shape)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
