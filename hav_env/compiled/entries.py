@@ -1,6 +1,5 @@
 """Entries: the loops that Python calls, kept on disk and spread over threads."""
 
-import concurrent.futures
 import functools
 import logging
 import os
@@ -8,16 +7,16 @@ import pathlib
 import tempfile
 import threading
 import typing
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 import numba
 
 from hav_env.compiled.kernels import ENTERED
 from hav_env.compiled.sources import note_sources, source_digest, sources
+from hav_env.compiled.threads import default_threads, share_out
 
 _log = logging.getLogger(__name__)
-VECTOR = 16  # lanes to work on whole vectors: worlds are shared out in such portions
 _SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
 
 
@@ -55,45 +54,8 @@ def entry(function: Callable) -> Any:
     return call
 
 
-def share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
-    """Run a loop over worlds on threads, each of which takes a range of them; this one, too."""
-    share = -(-count // (threads * VECTOR)) * VECTOR
-    if count <= share:
-        loop(0, count, *args)
-        return
-    jobs = [
-        _pool(os.getpid(), threads).submit(loop, first, min(first + share, count), *args)
-        for first in range(share, count, share)
-    ]
-    try:
-        loop(0, share, *args)
-    finally:
-        concurrent.futures.wait(jobs)  # do not leave the arrays to loops that still write
-    for job in jobs:
-        job.result()
-
-
 def _signature(args: tuple) -> tuple:
     return numba.int64, numba.int64, *map(numba.typeof, args)
-
-
-def run_on_threads(function: Callable, items: Iterable, threads: int | None = None) -> list:
-    """Return ``[function(item) for item in items]``, computed on threads as they become free.
-
-    Worth it when the function spends its time in entries, which it must call with ``threads=1``.
-    Two threads that write into neighbouring elements of an array wait for each other, so each item
-    should have arrays of its own.
-    """
-    threads = threads or default_threads()
-    if threads == 1:
-        return [function(item) for item in items]
-    jobs = [_pool(os.getpid(), threads).submit(function, item) for item in items]
-    try:
-        return [job.result() for job in jobs]
-    finally:
-        for job in jobs:  # after an interrupt: do not start what has not begun, ...
-            job.cancel()
-        concurrent.futures.wait(jobs)  # ... nor leave the arrays to loops that still write
 
 
 def canonical(model: Any) -> Any:
@@ -112,24 +74,6 @@ def _canonical_value(kind: Any, value: Any) -> Any:
     if typing.get_origin(kind) is typing.Literal and isinstance(value, str):
         return typing.get_args(kind).index(value)
     return float(value) if kind is float else value
-
-
-def default_threads() -> int:
-    """Return how many threads an entry uses: ``HAV_THREADS``, or the cores this process may use.
-
-    Raises:
-        ValueError: when ``HAV_THREADS`` is not a whole number of at least 1.
-    """
-    wish = os.environ.get("HAV_THREADS")
-    if not wish:
-        return (
-            len(os.sched_getaffinity(0))
-            if hasattr(os, "sched_getaffinity")
-            else os.cpu_count() or 1
-        )
-    if not wish.isdigit() or int(wish) < 1:
-        raise ValueError(f"HAV_THREADS is {wish!r}, but must be a whole number of at least 1")
-    return int(wish)
 
 
 def _cached(function: Callable, known: frozenset) -> Callable:
@@ -170,9 +114,3 @@ def _ensure_compiled(loop: Any, name: str, args: tuple) -> None:
         finally:
             notice.cancel()
         _ready.add(kinds)
-
-
-@functools.cache
-def _pool(process: int, threads: int) -> concurrent.futures.ThreadPoolExecutor:
-    """One pool per process, so that a forked child does not wait for its parent's threads."""
-    return concurrent.futures.ThreadPoolExecutor(threads, thread_name_prefix="hav_env")
