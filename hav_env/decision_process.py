@@ -68,7 +68,7 @@ class DecisionProcess:
         threads: int | None = None,
         **rules: Any,
     ) -> None:
-        """Allocate the worlds; they are empty until ``reset``.
+        """Allocate the worlds; they are empty until ``begin``.
 
         Args:
             num_worlds: W.
