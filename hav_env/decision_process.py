@@ -4,6 +4,7 @@ Every environment is a face of it; a single environment is a decision process of
 """
 
 import sys
+import warnings
 from typing import Any, TypedDict
 
 import numpy as np
@@ -206,6 +207,13 @@ def check_finite(actions: np.ndarray) -> None:
     if not np.isfinite(actions).all():
         worst = actions[~np.isfinite(actions)][0]
         raise ValueError(f"the actions hold {worst}, a number that is not finite")
+
+
+def warn_of_unknown(options: dict[str, Any], known: tuple[str, ...]) -> None:
+    """Warn of options of a reset that are not known; they are ignored."""
+    for name in sorted(set(options) - set(known), key=str):
+        told = f"reset ignores the option {name!r}; known: {', '.join(known)}"
+        warnings.warn(told, stacklevel=4)  # who called the environment's reset
 
 
 def _count_references(told: Outcome) -> list[int]:

@@ -8,11 +8,11 @@ import numpy as np
 from hav_env.advance import TERMINATED, TRUNCATED, Outcome
 from hav_env.decision_process import Settings
 from hav_env.screen import RENDER_FPS, RENDER_MODES
-from hav_env.single_world import SingleWorld
+from hav_env.single_world import OfOneWorld, SingleWorld
 from hav_env.views import EgoView, JointView, Team
 
 
-class _WorldEnv(gym.Env):
+class _WorldEnv(OfOneWorld, gym.Env):
     """What both environments share."""
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
@@ -56,28 +56,6 @@ class _WorldEnv(gym.Env):
 
     def _info(self, told: Outcome) -> dict[str, Any]:
         raise NotImplementedError
-
-    def _show(self) -> None:
-        if self.render_mode == "human":
-            self._world.screen.show()
-
-    def render(self) -> Any:
-        """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window)."""
-        return self._world.screen.show()
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of the columns of the observation of a HAV."""
-        return self._world.process.columns
-
-    @property
-    def scenario(self) -> Any:
-        """Who starts where and must go where."""
-        return self._world.process.batch.scenario
-
-    def close(self) -> None:
-        """Close the window, if there is one."""
-        self._world.screen.close()
 
 
 class HAVSwarmEnv(_WorldEnv):

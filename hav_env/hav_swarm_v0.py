@@ -13,14 +13,14 @@ from hav_env.advance import TERMINATED, TRUNCATED, Outcome
 from hav_env.central_state import CentralState
 from hav_env.decision_process import Settings
 from hav_env.screen import RENDER_FPS, RENDER_MODES
-from hav_env.single_world import SingleWorld
+from hav_env.single_world import OfOneWorld, SingleWorld
 from hav_env.task import REMOVE
 from hav_env.views import action_box, observation_box
 
 Observations = dict[str, np.ndarray]
 
 
-class HAVSwarmParallelEnv(ParallelEnv):
+class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
     """Every HAV is an agent; all act at the same time.
 
     Observations (D,), columns as in docs/environments.md; actions (2,): speed from 0 to maximum and
@@ -156,31 +156,9 @@ class HAVSwarmParallelEnv(ParallelEnv):
             for agent, row in zip(self.possible_agents, rows, strict=True)
         }
 
-    def _show(self) -> None:
-        if self.render_mode == "human":
-            self._world.screen.show()
-
     def state(self) -> np.ndarray:
         """Return what is the case in the whole world, in its own frame: see ``CentralState``."""
         return self._state.read()
-
-    def render(self) -> Any:
-        """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window)."""
-        return self._world.screen.show()
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of the columns of an observation."""
-        return self._world.process.columns
-
-    @property
-    def scenario(self) -> Any:
-        """Who starts where and must go where."""
-        return self._world.process.batch.scenario
-
-    def close(self) -> None:
-        """Close the window, if there is one."""
-        self._world.screen.close()
 
 
 def parallel_env(

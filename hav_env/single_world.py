@@ -2,14 +2,13 @@
 
 import math
 import numbers
-import warnings
 from typing import Any
 
 import numpy as np
 
 from hav_env.advance import Outcome
 from hav_env.batch import check_seed
-from hav_env.decision_process import DecisionProcess, check_finite
+from hav_env.decision_process import DecisionProcess, check_finite, warn_of_unknown
 from hav_env.randomness import SEED_LIMIT
 from hav_env.scenarios import explicit
 from hav_env.screen import Screen
@@ -17,7 +16,7 @@ from hav_env.transition import begin
 from hav_env.world import ARTICULATION, SPEED, STEERING
 
 _HERE = np.ones(1, np.bool_)
-_OPTIONS = ("episode", "lengths", "start", "goals")
+_WRITTEN = ("lengths", "start", "goals")  # options that are written into a world
 
 
 class SingleWorld:
@@ -63,15 +62,13 @@ class SingleWorld:
             ValueError: naming what is wrong with seed or options.
         """
         options = {name: value for name, value in (options or {}).items() if value is not None}
-        for name in sorted(set(options) - set(_OPTIONS), key=str):
-            known = ", ".join(_OPTIONS)
-            warnings.warn(f"reset ignores the option {name!r}; known: {known}", stacklevel=3)
+        warn_of_unknown(options, ("episode", *_WRITTEN))
         key = self._next_key(seed, options.get("episode"), generator)
         self._key = None  # until the episode has begun
         told = self.process.outcome()
         keys = np.array([key], np.int64).T
         self.process.begin(keys[0], keys[1], _HERE)
-        written = {name: options[name] for name in ("lengths", "start", "goals") if name in options}
+        written = {name: options[name] for name in _WRITTEN if name in options}
         if written:
             self._write(written, key)
         self.process.look(_HERE, told)
@@ -138,3 +135,31 @@ class SingleWorld:
                 f" room for {scenario.max_trailers}"
             )
         begin(found, batch.task, batch.worlds, 0, *key)
+
+
+class OfOneWorld:
+    """What environments of one world have in common, whatever their interface."""
+
+    _world: SingleWorld
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of the observation of a HAV."""
+        return self._world.process.columns
+
+    @property
+    def scenario(self) -> Any:
+        """Who starts where and must go where."""
+        return self._world.process.batch.scenario
+
+    def render(self) -> Any:
+        """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window)."""
+        return self._world.screen.show()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._world.screen.close()
+
+    def _show(self) -> None:
+        if self._world.screen.render_mode == "human":
+            self._world.screen.show()

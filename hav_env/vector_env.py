@@ -1,7 +1,6 @@
 """Gymnasium's vector environments: W compiled worlds, stepped together."""
 
 import numbers
-import warnings
 from typing import Any, Unpack
 
 import numpy as np
@@ -10,7 +9,7 @@ from gymnasium.vector.utils import batch_space
 
 from hav_env.advance import TERMINATED, TRUNCATED
 from hav_env.batch import check_seed
-from hav_env.decision_process import DecisionProcess, Settings, check_finite
+from hav_env.decision_process import DecisionProcess, Settings, check_finite, warn_of_unknown
 from hav_env.randomness import SEED_LIMIT
 from hav_env.screen import RENDER_FPS, Screen
 from hav_env.views import EgoView, JointView, Team
@@ -124,8 +123,7 @@ class _WorldsVectorEnv(VectorEnv):
         self._screen.close()
 
     def _chosen(self, options: dict[str, Any]) -> np.ndarray:
-        for name in sorted(set(options) - {"reset_mask"}, key=str):
-            warnings.warn(f"reset ignores the option {name!r}; known: reset_mask", stacklevel=3)
+        warn_of_unknown(options, ("reset_mask",))
         if "reset_mask" not in options:
             return np.ones(self.num_envs, np.bool_)
         mask = options["reset_mask"]
