@@ -10,6 +10,7 @@ import pathlib
 import re
 import sys
 import tempfile
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import tyro
@@ -21,7 +22,7 @@ from baselines.evaluate import compare, markdown, read_columns
 from baselines.files import write_text
 from baselines.options import asks_for_help, read_options, take_option, take_words
 from baselines.progress import Progress
-from baselines.registry import POLICIES, find_policy
+from baselines.registry import KNOWN, find_policy
 from baselines.reproduce import PAPER_EXPERIMENTS, reproduce
 from baselines.results import Experiments, run_experiments
 from baselines.trajectories import record_trajectory
@@ -123,18 +124,19 @@ def _dispatch(arguments: list[str]) -> int:
 
 def _reproduce(arguments: list[str]) -> None:
     name, arguments = take_option(arguments, "--policy", "avoid_jack")
+    make = find_policy(name)
     options = _parse(
         "reproduce",
         arguments,
         [
-            ("policy", find_policy(name)),
+            *_policy_fields([make]),
             ("experiments", int, PAPER_EXPERIMENTS, "Experiments of each scenario."),
             ("vehicle", OnAxle),
         ],
         _Run(pathlib.Path("results/reproduce")),
     )
     rows = reproduce(
-        options.policy,
+        getattr(options, "policy", None) or make(),
         options.experiments,
         options.seed,
         options.output,
@@ -149,18 +151,18 @@ def _reproduce(arguments: list[str]) -> None:
 def _evaluate(arguments: list[str]) -> None:
     names, arguments = take_words(arguments)
     if not names and not asks_for_help(arguments):
-        raise ValueError(f"name the policies to evaluate: {', '.join(POLICIES)}, module:Class")
+        raise ValueError(f"name the policies to evaluate: {KNOWN}")
     scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
     scenario = find_scenario(scenario_name)
-    classes = [find_policy(name) for name in names]
+    makers = [find_policy(name) for name in names]
     drawn = not isinstance(scenario, Explicit)  # otherwise all episodes of a policy are the same
     fields: list[tuple] = [
         ("episodes", int, 1_000 if drawn else 1, "Episodes 0 .. of the seed."),
-        *_model_fields(classes, scenario),
+        *_model_fields(makers, scenario),
     ]
     options = _parse("evaluate", arguments, fields, _Run())
     scenario = getattr(options, "scenario", scenario)
-    policies = [options.policy] if len(classes) == 1 else [policy() for policy in classes]
+    policies = [getattr(options, "policy", None) or make() for make in makers]
     with contextlib.ExitStack() as stack:
         kept = options.output is not None
         output = options.output or pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory()))
@@ -200,7 +202,7 @@ def _calibrate(arguments: list[str]) -> None:
 def _watch(arguments: list[str]) -> None:
     words, arguments = take_words(arguments)
     if len(words) != 1 and not asks_for_help(arguments):
-        raise ValueError(f"name what to watch: {', '.join(POLICIES)}, module:Class or a RUN.npz")
+        raise ValueError(f"name what to watch: {KNOWN} or a RUN.npz")
     if words and words[0].endswith(".npz"):
         options = _parse("watch", arguments, [], _Display())
         check_pace(options.speed, options.fps)
@@ -209,8 +211,10 @@ def _watch(arguments: list[str]) -> None:
         return
     scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
     named = find_scenario(scenario_name)
-    classes = [find_policy(name) for name in words]
-    options = _parse("watch", arguments, _model_fields(classes, named), _Watch())
+    makers = [find_policy(name) for name in words]
+    options = _parse("watch", arguments, _model_fields(makers, named), _Watch())
+    usual = makers[0]()
+    policy = getattr(options, "policy", usual)
     scenario = getattr(options, "scenario", named)
     shown = options.output is not None or options.record is None
     check_pace(options.speed, options.fps)
@@ -219,7 +223,7 @@ def _watch(arguments: list[str]) -> None:
     if shown:
         check_display(options.output)
     trajectory = record_trajectory(
-        options.policy,
+        policy,
         scenario,
         options.seed,
         options.episode,
@@ -227,7 +231,7 @@ def _watch(arguments: list[str]) -> None:
         options.vehicle,
         options.every,
     )._replace(
-        policy=name_with_changes(words[0], options.policy, classes[0]()),
+        policy=name_with_changes(words[0], policy, usual),
         scenario=name_with_changes(scenario_name, scenario, named),
     )
     if options.record is not None:
@@ -236,15 +240,18 @@ def _watch(arguments: list[str]) -> None:
         show(trajectory, options.output, options.speed, options.fps)
 
 
-def _model_fields(policies: list[type], scenario: Any) -> list[tuple]:
+def _model_fields(makers: list[Callable], scenario: Any) -> list[tuple]:
     """Return the options for the rules of an episode, its scenario and a single policy."""
-    fields: list[tuple] = [("task", Task), ("vehicle", OnAxle)]
-    if len(policies) == 1:
-        fields.append(("policy", policies[0]))
+    fields: list[tuple] = [("task", Task), ("vehicle", OnAxle), *_policy_fields(makers)]
     if not isinstance(scenario, Explicit):
         # its options go without its name: --num-havs, --fleet.max-trailers
         fields.append(("scenario", Annotated[type(scenario), tyro.conf.arg(name="")], scenario))
     return fields
+
+
+def _policy_fields(makers: list[Callable]) -> list[tuple]:
+    """Return the options for a single policy; one that was trained has none."""
+    return [("policy", make) for make in makers if len(makers) == 1 and isinstance(make, type)]
 
 
 def _parse(command: str, arguments: list[str], fields: list[tuple], common: Any) -> Any:

@@ -1,30 +1,40 @@
 """The names of policies, for the command line and for papers to cite."""
 
+import functools
 import importlib
+from collections.abc import Callable
+from typing import Any
 
 from baselines.avoid_jack import AvoidJack
 from baselines.policy import find_kernel
+from baselines.policy_files import SUFFIX, load_policy
 from baselines.pursuit import DubinsPursuit
 from baselines.random_actions import Random
 
-POLICIES: dict[str, type] = {
+POLICIES: dict[str, Callable[[], Any]] = {
     "avoid_jack": AvoidJack,
     "dubins_pursuit": DubinsPursuit,
     "random": Random,
 }
+KNOWN = f"{', '.join(POLICIES)}, FILE{SUFFIX}, module:Class"
 
 
-def find_policy(name: str) -> type:
-    """Return the class of a policy: one of ``POLICIES``, or ``module:Class`` of your own.
+def find_policy(name: str) -> Callable[[], Any]:
+    """Return what makes a policy: its class, or for a trained one what reads its file.
+
+    Args:
+        name: one of ``POLICIES``, the path of a policy file, or ``module:Class`` of your own.
 
     Raises:
         ValueError: when there is no such policy.
     """
     if name in POLICIES:
         return POLICIES[name]
+    if name.endswith(SUFFIX):
+        return functools.partial(load_policy, name)
     module_name, _, class_name = name.partition(":")
     if not class_name:
-        raise ValueError(f"unknown policy {name!r}; known: {', '.join(POLICIES)}, module:Class")
+        raise ValueError(f"unknown policy {name!r}; known: {KNOWN}")
     try:
         found = getattr(importlib.import_module(module_name), class_name)
     except (ImportError, AttributeError) as error:

@@ -1,5 +1,6 @@
 """Experiments on disk: written as they go, resumed, and never half a file."""
 
+import hashlib
 import json
 import pathlib
 import shutil
@@ -127,7 +128,9 @@ def describe(experiments: Experiments) -> dict:
                 "type": type(value).__name__,
                 **{k: plain(v) for k, v in value._asdict().items()},
             }
-        return value.tolist() if isinstance(value, np.ndarray) else value
+        if isinstance(value, np.ndarray):
+            return hashlib.sha256(value.tobytes()).hexdigest()
+        return value
 
     code = find_kernel(type(experiments.policy)), run_experiments, source_digest
     return {

@@ -6,12 +6,12 @@ import numpy as np
 
 from hav_env.compiled import VECTOR, entry, kernel, lanes_from
 from hav_env.geometry import clip
-from hav_env.lanes import OBSERVED_LANES, block_of
+from hav_env.lanes import APART, OBSERVED_LANES, block_of
 from hav_env.observation import observe, plan_route
 from hav_env.report import REPORT, write_report
 from hav_env.reward import WAITED, note_before, reward_terms
+from hav_env.sensing import limits
 from hav_env.transition import late, remove_arrived, step, terminated
-from hav_env.world import SPEED, STEERING
 
 
 class Outcome(NamedTuple):
@@ -111,14 +111,23 @@ def look_at_worlds(first, last, observation, worlds, between, chosen, outcome):
 
 
 @kernel
+def to_command(faster, turned, speed_max, steering_max):
+    """Return speed [m/s] and steering [rad] of an action, both of whose numbers are cut to [-1, 1].
+
+    -1 is standing, 1 is full speed; -1 is as far right as the wheels go, 1 as far left.
+    """
+    share = 0.5 * (clip(faster, -1.0, 1.0) + 1.0)
+    return share * speed_max, clip(turned, -1.0, 1.0) * steering_max
+
+
+@kernel
 def _command(world, own, agent, actions):
     """Turn actions into speed and steering."""
-    limit = world.fleet.limit
     for lane in range(world.lanes):
-        share = 0.5 * (clip(actions[lane, agent, 0], -1.0, 1.0) + 1.0)
-        own.command[0, agent, lane] = share * limit[agent, SPEED, lane]
-        side = clip(actions[lane, agent, 1], -1.0, 1.0)
-        own.command[1, agent, lane] = side * limit[agent, STEERING, lane]
+        speed_max, steering_max, _ = limits(world, agent, lane)
+        own.command[0, agent, lane], own.command[1, agent, lane] = to_command(
+            actions[lane, agent, 0], actions[lane, agent, 1], speed_max, steering_max
+        )
 
 
 @kernel
@@ -141,7 +150,9 @@ def _reward(reward, duration, world, agent, own, told):
 def _tell(observation, world, agent, own, told):
     """Write the report and the observation."""
     write_report(world, agent, own.remaining, told.numbers)
-    observe(observation, world, agent, own.route, own.columns)
+    # with this said, the compiler knows how far the rows lie apart, and uses vectors
+    if own.columns.shape[1] == APART:
+        observe(observation, world, agent, own.route, own.columns)
     for lane in range(world.lanes):
         for column in range(own.columns.shape[0]):
             told.observation[lane, agent, column] = own.columns[column, lane]

@@ -5,7 +5,6 @@ docs/environments.md has the table of the columns.
 """
 
 from hav_env.compiled import kernel
-from hav_env.lanes import APART
 from hav_env.observation.itself import observe_itself
 from hav_env.observation.layout import (
     Observation,
@@ -45,13 +44,11 @@ def observe(observation, world, agent, route, columns):
 
     Args:
         observation: settled for the number of HAVs.
-        world, agent: a block of at most ``APART`` lanes; which HAV.
+        world, agent: a block; which HAV.
         route: (N, ROUTE_SIZE, W) as ``plan_route`` left it.
-        columns: (D, APART) to be written, in the order of ``name_columns``.
+        columns: (D, W) to be written, in the order of ``name_columns``.
     """
-    # with this said, the compiler knows how far the rows lie apart, and uses vectors
-    if columns.shape[1] == APART:
-        observe_route(world, agent, route, columns)
-        observe_itself(world, agent, columns)
-        if observation.neighbors > 0:
-            observe_neighbors(observation, world, agent, columns)
+    observe_route(world, agent, route, columns)
+    observe_itself(world, agent, columns)
+    if observation.neighbors > 0:
+        observe_neighbors(observation, world, agent, columns)

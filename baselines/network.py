@@ -1,0 +1,191 @@
+"""A trained policy: a multilayer perceptron from what a HAV observes to its speed and steering."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from baselines.policy import act_lanes, check_parameters, memory_size, require_at_least
+from hav_env.advance import to_command
+from hav_env.compiled import VECTOR, fixed, kernel
+from hav_env.elementary import exp
+from hav_env.geometry import clip
+from hav_env.observation import (
+    ROUTE_SIZE,
+    Observation,
+    name_columns,
+    observe,
+    plan_route,
+    settle,
+)
+from hav_env.sensing import episode_key, limits
+
+
+class Network(NamedTuple):
+    """Layers of tanh units and a linear one on top; what is written by training, and read here.
+
+    The observation is normalized, (observation - mean) * scale, and cut to ``limit``; the two
+    outputs are cut to [-1, 1] and mean what an environment's actions mean.
+    """
+
+    sizes: np.ndarray
+    """(L + 1,) int64: columns of the observation, units of each layer; the last are 2."""
+    weights: np.ndarray
+    """float64, of one layer after the other: its weights (outputs, inputs), then its biases."""
+    mean: np.ndarray
+    """(D,) float64."""
+    scale: np.ndarray
+    """(D,) float64."""
+    limit: float
+    frame_skip: int
+    """For how many steps an action is held; new ones are taken at its multiples."""
+    observation: Observation
+    """What is observed; settled, so that it tells the number of neighbours."""
+    max_trailers: int
+    """Of the observation."""
+
+
+# What a HAV remembers: its command [m/s, rad]; and while it decides: its route, the lanes in which
+# to decide, the columns of the observation, then two areas for the layers by turns.
+_REMAINING, _SPEED, _STEERING, _DUE, _COLUMNS = range(ROUTE_SIZE, ROUTE_SIZE + 5)
+
+
+def pack_layers(layers: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Return ``sizes`` and ``weights`` of layers (weights (outputs, inputs), biases (outputs,))."""
+    sizes = [layers[0][0].shape[1], *(len(bias) for _, bias in layers)]
+    packed = [np.ravel(array) for layer in layers for array in layer]
+    return np.array(sizes, np.int64), np.concatenate(packed).astype(np.float64)
+
+
+@memory_size.register
+def _(policy: Network) -> int:
+    return _COLUMNS + int(policy.sizes[0]) + 2 * int(max(policy.sizes[1:]))
+
+
+@check_parameters.register
+def _(policy: Network, scenario) -> None:
+    require_at_least(policy, 1, ("frame_skip",))
+    seen = settle(policy.observation, scenario.num_havs), scenario.max_trailers
+    if seen != (policy.observation, policy.max_trailers):
+        raise ValueError(
+            f"the policy was trained to observe {_say(policy.observation, policy.max_trailers)},"
+            f" but the scenario offers {_say(*seen)}"
+        )
+    columns = len(name_columns(policy.observation, policy.max_trailers))
+    inputs, outputs = policy.sizes[:-1], policy.sizes[1:]
+    expected = (columns, 2, int(np.sum(inputs * outputs + outputs)), columns, columns)
+    lengths = (policy.weights.size, policy.mean.size, policy.scale.size)
+    if (inputs[0], outputs[-1], *lengths) != expected:
+        raise ValueError(f"policy sizes is {policy.sizes}, which does not fit its other arrays")
+
+
+def _say(observation: Observation, max_trailers: int) -> str:
+    chains = " with trailers" if observation.chains else ""
+    return f"{observation.neighbors} neighbors{chains} and up to {max_trailers} trailers"
+
+
+@act_lanes.register(Network)
+def follow_network(policy, memory, world, agent, speed, steering):
+    """Take an action in the lanes where one is due, and hold those of the others."""
+    rows = memory[agent]
+    due = _list_due(policy, rows, world, agent)
+    if due > 0:
+        plan_route(world, agent, memory, memory[:, _REMAINING])
+        columns = rows[_COLUMNS : _COLUMNS + policy.sizes[0]]
+        observe(policy.observation, world, agent, memory, columns)
+        padded = min((due + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
+        _gather(rows, columns, due, padded)
+        normalize(policy, columns, padded)
+        actions = propagate(policy, rows[_COLUMNS:], padded)
+        for k in range(due):
+            lane = int(rows[_DUE, k])
+            speed_max, steering_max, _ = limits(world, agent, lane)
+            rows[_SPEED, lane], rows[_STEERING, lane] = to_command(
+                rows[_COLUMNS + actions, k],
+                rows[_COLUMNS + actions + 1, k],
+                speed_max,
+                steering_max,
+            )
+    for lane in range(world.lanes):
+        speed[agent, lane] = rows[_SPEED, lane]
+        steering[agent, lane] = rows[_STEERING, lane]
+
+
+@kernel
+def _list_due(policy, rows, world, agent):
+    """List the lanes in which an action is to be taken; return how many there are."""
+    due = 0
+    for lane in range(world.lanes):
+        _, _, step = episode_key(world, lane)
+        if step % policy.frame_skip == 0 and not world.state.waiting[agent, lane]:
+            rows[_DUE, due] = lane
+            due += 1
+    return due
+
+
+@kernel
+def _gather(rows, columns, due, padded):
+    """Move what is seen in the lanes that are due to the first ones; fill up with zeros."""
+    for column in range(columns.shape[0]):
+        for k in range(due):
+            columns[column, k] = columns[column, int(rows[_DUE, k])]
+        for k in range(due, padded):
+            columns[column, k] = 0.0
+
+
+@kernel
+def normalize(policy, columns, lanes):
+    """Normalize the columns (D, W) of an observation in the first lanes."""
+    for number in range(columns.shape[0]):
+        column = fixed(number)
+        mean, scale, limit = policy.mean[column], policy.scale[column], policy.limit
+        for k in range(lanes):
+            columns[column, k] = clip((columns[column, k] - mean) * scale, -limit, limit)
+
+
+@kernel
+def propagate(policy, rows, lanes):
+    """Work out the layers in the first lanes.
+
+    Args:
+        policy: a Network.
+        rows: (K, W) whose first rows are the inputs; the others are overwritten.
+        lanes: how many.
+
+    Returns:
+        In which row the first of both outputs is; the second one is in the next.
+    """
+    inputs, first, widest = 0, 0, 0
+    for layer in range(1, policy.sizes.size):
+        widest = max(widest, policy.sizes[layer])
+    outputs, last = policy.sizes[0], policy.sizes.size - 1
+    for layer in range(1, policy.sizes.size):
+        num_inputs, num_outputs = policy.sizes[layer - 1], policy.sizes[layer]
+        biases = first + num_inputs * num_outputs
+        for number in range(num_outputs):
+            output = fixed(outputs + number)
+            _sum_up(policy, rows, lanes, inputs, output, num_inputs, first, biases + number)
+            first += num_inputs
+            if layer < last:
+                for k in range(lanes):  # tanh
+                    rows[output, k] = 1.0 - 2.0 / (1.0 + exp(2.0 * rows[output, k]))
+        first += num_outputs
+        inputs, outputs = outputs, policy.sizes[0] + (widest if layer % 2 == 1 else 0)
+    return inputs
+
+
+@kernel
+def _sum_up(policy, rows, lanes, inputs, output, num_inputs, first, bias):
+    """Work out one unit: its bias, plus weights times inputs, four at a time."""
+    weights = policy.weights
+    for k in range(lanes):
+        rows[output, k] = weights[bias]
+    for number in range(0, num_inputs - 3, 4):
+        one, w = fixed(inputs + number), first + number
+        for k in range(lanes):
+            pair = weights[w] * rows[one, k] + weights[w + 1] * rows[one + 1, k]
+            other = weights[w + 2] * rows[one + 2, k] + weights[w + 3] * rows[one + 3, k]
+            rows[output, k] += pair + other
+    for number in range(num_inputs - num_inputs % 4, num_inputs):
+        one, w = fixed(inputs + number), first + number
+        for k in range(lanes):
+            rows[output, k] += weights[w] * rows[one, k]
