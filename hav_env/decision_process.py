@@ -100,7 +100,7 @@ class DecisionProcess:
         self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
         driver = None if others is None else driver_of(others, self.batch)
         self._driver = driver if c < n else None  # nobody is left to be driven
-        self._models = self.batch.task, self.batch.vehicle, canonical(reward), self.observation
+        self._reward = canonical(reward)
         ranges = -(-w // VECTOR)
         self._between = Between(
             np.zeros((2, n, w)),
@@ -117,6 +117,18 @@ class DecisionProcess:
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what is compiled: a copy asks for it again."""
         return self.__dict__ | {"_advance": None}
+
+    def set_reward(self, reward: Any) -> None:
+        """Change the weights of the reward from the next action on.
+
+        Raises:
+            ValueError: when a weight is not a finite number.
+            TypeError: when the reward is of another type than before.
+        """
+        check_reward(reward)
+        if type(reward) is not type(self._reward):
+            raise TypeError(f"reward is {reward!r}, but must be a {type(self._reward).__name__}")
+        self._reward = canonical(reward)
 
     def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
         """Begin episodes in the worlds that are chosen.
@@ -178,7 +190,9 @@ class DecisionProcess:
         return told
 
     def _take(self, actions: np.ndarray, part: tuple[int, int, int], told: Outcome) -> None:
-        args = *self._models, self.batch.worlds, self._between, actions, part, told
+        batch = self.batch
+        models = batch.task, batch.vehicle, self._reward, self.observation
+        args = *models, batch.worlds, self._between, actions, part, told
         if self._advance is None:
             self._advance = advance_worlds.prepare(*args)
         share_out(self._advance, self.num_worlds, args, self._threads)

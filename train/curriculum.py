@@ -1,0 +1,53 @@
+"""What is easier at the beginning of a training: harm weighs less, so goals are found first."""
+
+from typing import NamedTuple
+
+from hav_env import Reward
+
+
+class Curriculum(NamedTuple):
+    """Harm weighs its full weight from some part of the training on, and less before.
+
+    With the full weight from the beginning, HAVs that meet others learn to stand still: a
+    collision costs more than all the goals that they have not found yet.
+    """
+
+    share: float = 0.2
+    """Of the weights of harm, at the beginning; 1 for no curriculum."""
+    begin: float = 0.1
+    """Part of the training after which harm begins to weigh more ..."""
+    end: float = 0.5
+    """... and from which on it has its full weight."""
+
+
+def check_curriculum(curriculum: Curriculum) -> None:
+    """Check a curriculum.
+
+    Raises:
+        ValueError: naming the field, its value and what is allowed.
+    """
+    for field, value in curriculum._asdict().items():
+        if not 0 <= value <= 1:
+            raise ValueError(f"curriculum {field} is {value}, but must be from 0 to 1")
+    if curriculum.end < curriculum.begin:
+        end, begin = curriculum.end, curriculum.begin
+        raise ValueError(f"curriculum end is {end}, but must be at least its begin, {begin}")
+
+
+def harm_share(curriculum: Curriculum, progress: float) -> float:
+    """Return by which factor harm weighs when this part of the training is over, 0 to 1."""
+    if progress >= curriculum.end:
+        return 1.0
+    grown = max(progress - curriculum.begin, 0.0) / (curriculum.end - curriculum.begin)
+    return curriculum.share + (1.0 - curriculum.share) * grown
+
+
+def reward_at(curriculum: Curriculum, reward: Reward, progress: float) -> Reward:
+    """Return the reward when this part of the training is over."""
+    share = harm_share(curriculum, progress)
+    return reward._replace(
+        jackknife=share * reward.jackknife,
+        actual_collision=share * reward.actual_collision,
+        potential_collision=share * reward.potential_collision,
+        articulation=share * reward.articulation,
+    )
