@@ -31,7 +31,7 @@ class Reward(NamedTuple):
     """Weights of the terms; the reward of a step is the sum of weight times term."""
 
     progress: float = 0.1
-    """For each metre by which the Dubins path to the goal under way, with R_min, became shorter.
+    """For each metre by which the Dubins path to the goal under way, drivable, became shorter.
     Over an episode these add up to the lengths of the paths at their beginnings less what is left
     at the end (potential-based: Ng, Harada and Russell, 1999), so nothing can be gained by driving
     to and fro."""

@@ -51,6 +51,19 @@ def stable_radius(world, agent, lane):
 
 
 @kernel
+def drivable_radius(world, agent, lane):
+    """Return the radius of the tightest circle to drive on for good [m].
+
+    It is R_min, below which trailers may jackknife, or what the wheels allow, l^0 / tan(phi^max),
+    where that is larger: for long trucks with short trailers.
+    """
+    cosine, sine = steering_direction(world, agent, lane)
+    return max(
+        stable_radius(world, agent, lane), unit_length(world, agent, 0, lane) * cosine / sine
+    )
+
+
+@kernel
 def limits(world, agent, lane):
     """Return maximum speed [m/s], steering [rad] and articulation [rad]."""
     limit = world.fleet.limit

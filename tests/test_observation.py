@@ -81,6 +81,15 @@ class Witness:
             columns[f"articulation_sine_{joint}"] = bend.imag
         return columns
 
+    def drivable(self, agent):
+        """Return the larger of R_min and the radius at which the wheels are fully turned [m]."""
+        truck, steepest = self.lengths(agent)[0], self.fleet.limit[agent, STEERING, self.w]
+        return max(math.hypot(*self.lengths(agent)), truck / math.tan(steepest))
+
+    def steering_along(self, agent, radius):
+        steepest = self.fleet.limit[agent, STEERING, self.w]
+        return min(math.atan(self.lengths(agent)[0] / radius) / steepest, 1.0)
+
     def own(self, agent, most):
         state, fleet, w = self.state, self.fleet, self.w
         limit, frame = fleet.limit[agent, :, w], np.exp(-1j * self.headings(agent)[0])
@@ -96,18 +105,21 @@ class Witness:
             "steering_max": limit[STEERING] / (math.pi / 2),
             "articulation_max": limit[ARTICULATION] / math.pi,
             "stable_radius": scaled(math.hypot(*self.lengths(agent))),
+            "drivable_steering": self.steering_along(agent, self.drivable(agent)),
             "footprint_radius": scaled(self.footprint(agent)),
             **polar("goal", goal),
             **angle("goal_heading", away),
             **polar("approach", approach),
             **self.units(agent, most),
         }
-        for name, there in (("goal", goal), ("approach", approach)):
-            radius = math.hypot(*self.lengths(agent))
+        stable, drivable = math.hypot(*self.lengths(agent)), self.drivable(agent)
+        for name, there, radius in (("goal", goal, drivable), ("approach", approach, stable)):
             path = shortest_path(there.real, there.imag, np.angle(away), radius)
             columns[f"{name}_path_turn"] = turns(path[0])[0]
             columns[f"{name}_path_first"] = scaled(path[1])
             columns[f"{name}_path_whole"] = scaled(sum(path[1:]))
+            share = turns(path[0])[0] * min(path[1], 1.0)
+            columns[f"{name}_path_steering"] = share * self.steering_along(agent, radius)
         return columns
 
     def clearance(self, agent, other):

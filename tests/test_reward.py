@@ -33,14 +33,16 @@ def terms_of(process, told, names=TERMS):
 
 
 def left(worlds):
-    """Return the Dubins lengths (N, W) from every HAV to its goal under way, with R_min [m]."""
+    """Return the lengths (N, W) of the drivable Dubins paths to the goals under way [m]."""
     state = worlds.state
     lengths = np.empty(state.x.shape)
     for agent, w in np.ndindex(*lengths.shape):
         x, y, goal_heading = state.goal[agent, :3, w]
         heading = state.heading[agent, 0, w]
         there = complex(x - state.x[agent, w], y - state.y[agent, w]) * np.exp(-1j * heading)
-        turn, radius = wrapped(goal_heading - heading), worlds.fleet.radius[agent, STABLE, w]
+        turn, stable = wrapped(goal_heading - heading), worlds.fleet.radius[agent, STABLE, w]
+        truck, steepest = worlds.fleet.length[agent, 0, w], worlds.fleet.limit[agent, STEERING, w]
+        radius = max(stable, truck / np.tan(steepest))
         lengths[agent, w] = path_length(there.real, there.imag, turn, radius)
     return lengths
 

@@ -1,6 +1,6 @@
-"""What is easier at the beginning of a training: harm weighs less, so goals are found first."""
+"""How training differs from what is scored: harm weighs less at first, long HAVs are more."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from hav_env import Reward
 
@@ -18,6 +18,20 @@ class Curriculum(NamedTuple):
     """Part of the training after which harm begins to weigh more ..."""
     end: float = 0.5
     """... and from which on it has its full weight."""
+
+
+def lengthen(scenario: Any, trailer_sigma: float) -> Any:
+    """Return a scenario with another distribution of trailer counts; an explicit one as it is.
+
+    Of the paper's HAVs one in 300 has nine trailers or more: too few to learn from.
+
+    Args:
+        scenario: with random fleets.
+        trailer_sigma: of the Rayleigh distribution of the counts.
+    """
+    if not hasattr(scenario, "fleet"):
+        return scenario
+    return scenario._replace(fleet=scenario.fleet._replace(trailer_sigma=trailer_sigma))
 
 
 def check_curriculum(curriculum: Curriculum) -> None:

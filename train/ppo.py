@@ -34,9 +34,10 @@ from baselines.network import Network
 from baselines.options import take_option
 from baselines.policy_files import save_policy
 from baselines.rollout import rollout
-from hav_env import Observation, Reward, Task, find_scenario
+from hav_env import Observation, Reward, Task
 from hav_env.command_line import parse_options
-from train.curriculum import Curriculum, check_curriculum, reward_at
+from hav_env.scenarios.presets import scenario_of
+from train.curriculum import Curriculum, check_curriculum, lengthen, reward_at
 from train.export import network_of
 from train.runs import begin_run, read_run, versions
 from train.sb3_env import HAVVecEnv
@@ -85,6 +86,8 @@ class Arguments:
     """Of an episode to train on, in steps of the simulator; those of evaluations are the task's."""
     neighbors: int = 4
     """How many others a HAV observes, if there are as many."""
+    trailer_sigma: float = 4.5
+    """Of the trailer counts to train on, see ``RandomFleet``; evaluations have the scenario's."""
     reward: Reward = REWARD
     """Weights of its terms."""
     curriculum: Curriculum = CURRICULUM
@@ -125,7 +128,7 @@ class Run:
         self.arguments = arguments
         env = HAVVecEnv(
             arguments.worlds,
-            scenario=arguments.scenario,
+            scenario=lengthen(scenario_of(arguments.scenario), arguments.trailer_sigma),
             observation=Observation(neighbors=arguments.neighbors),
             reward=arguments.reward,
             frame_skip=arguments.frame_skip,
@@ -167,7 +170,7 @@ class Run:
 
     def evaluate(self, episodes: int) -> dict[str, float]:
         """Return the evaluator's figures of the policy on the first of the held-out episodes."""
-        scenario = find_scenario(self.arguments.scenario)
+        scenario = scenario_of(self.arguments.scenario)
         table = rollout(
             self.policy(), scenario, HELD_OUT, np.arange(episodes), threads=self.arguments.threads
         )

@@ -7,6 +7,7 @@ from hav_env.geometry import clip
 from hav_env.observation.layout import (
     APPROACH,
     ARTICULATION_MAX,
+    DRIVABLE,
     FOOTPRINT,
     GOAL,
     GOAL_HEADING,
@@ -22,8 +23,10 @@ from hav_env.observation.layout import (
     write_direction,
     write_place,
 )
+from hav_env.observation.route import steering_along
 from hav_env.sensing import (
     articulation_direction,
+    drivable_radius,
     goal_direction,
     goal_pose,
     goals_left,
@@ -49,6 +52,8 @@ def observe_itself(world, agent, columns):
         columns[ARTICULATION_MAX, lane] = articulation * (1.0 / math.pi)
     for lane in range(world.lanes):
         columns[STABLE, lane] = scale_distance(stable_radius(world, agent, lane))
+        steepest = steering_along(world, agent, drivable_radius(world, agent, lane), lane)
+        columns[DRIVABLE, lane] = steepest
         columns[FOOTPRINT, lane] = scale_distance(own_footprint(world, agent, lane))
     for lane in range(world.lanes):
         forward, left, _ = goal_pose(world, agent, lane)

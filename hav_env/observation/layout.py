@@ -20,6 +20,7 @@ OWN = (
     "steering_max",
     "articulation_max",
     "stable_radius",
+    "drivable_steering",
     "footprint_radius",
     "goal_distance",
     "goal_bearing_cosine",
@@ -32,12 +33,14 @@ OWN = (
     "goal_path_turn",
     "goal_path_first",
     "goal_path_whole",
+    "goal_path_steering",
     "approach_path_turn",
     "approach_path_first",
     "approach_path_whole",
+    "approach_path_steering",
 )
-WAITS, GOALS_LEFT, SPEED_MAX, STEERING_MAX, ARTICULATION_MAX, STABLE, FOOTPRINT = range(7)
-GOAL, GOAL_HEADING, APPROACH, PATHS, UNITS = 7, 10, 12, 15, 21  # where each group begins
+WAITS, GOALS_LEFT, SPEED_MAX, STEERING_MAX, ARTICULATION_MAX, STABLE, DRIVABLE, FOOTPRINT = range(8)
+GOAL, GOAL_HEADING, APPROACH, PATHS, UNITS = 8, 11, 13, 16, 24  # where each group begins
 NEIGHBOR = (
     "present",
     "distance",
@@ -101,7 +104,11 @@ def bounds_of(name: str) -> tuple[float, float]:
     """Return the least and the greatest value of a column."""
     if "length" in name:
         return 0.0, MOST_UNITS
-    signed = "cosine" in name or "sine" in name or name.endswith(("_turn", "_clearance"))
+    signed = (
+        "cosine" in name
+        or "sine" in name
+        or name.endswith(("_turn", "_path_steering", "_clearance"))
+    )
     return -1.0 if signed else 0.0, 1.0
 
 

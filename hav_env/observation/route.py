@@ -2,17 +2,30 @@
 
 from hav_env.compiled import fixed, kernel
 from hav_env.dubins import shortest_path_towards, turns
+from hav_env.elementary import atan2_positive
 from hav_env.observation.layout import PATHS, scale_distance
-from hav_env.sensing import goal_direction, goal_pose, stable_radius, unit_length
+from hav_env.sensing import (
+    drivable_radius,
+    goal_direction,
+    goal_pose,
+    limits,
+    stable_radius,
+    unit_length,
+)
 
 # of a path: side of its first segment, length of that segment and of the whole path [m]
 TURN, FIRST, LENGTH = range(3)
 TO_GOAL, TO_APPROACH, ROUTE_SIZE = 0, 3, 6
+_COLUMNS = 4  # of each path
+_AHEAD = 1.0  # [m], the beginning of a path whose steering is told
 
 
 @kernel
 def plan_route(world, agent, route, remaining):
-    """Find the shortest Dubins paths to the goal and to the approach point, with radius R_min.
+    """Find the shortest Dubins paths to the goal and to the approach point.
+
+    The circles of the first are those of ``drivable_radius``, so that it can be followed; those of
+    the second have the radius R_min, as AVOID-JACK plans it.
 
     Args:
         world, agent: a block; which HAV.
@@ -31,7 +44,7 @@ def plan_route(world, agent, route, remaining):
                 heading,
                 cosine,
                 sine,
-                stable_radius(world, agent, lane),
+                _radius(world, agent, place, lane),
             )
             side, _, _ = turns(word)
             route[agent, to + TURN, lane] = side
@@ -45,8 +58,31 @@ def plan_route(world, agent, route, remaining):
 def observe_route(world, agent, route, columns):
     """Write the columns of both paths."""
     for place in range(2):
-        to = fixed(TO_APPROACH * place)
+        to, column = fixed(TO_APPROACH * place), fixed(PATHS + _COLUMNS * place)
         for lane in range(world.lanes):
-            columns[PATHS + to + TURN, lane] = route[agent, to + TURN, lane]
-            columns[PATHS + to + FIRST, lane] = scale_distance(route[agent, to + FIRST, lane])
-            columns[PATHS + to + LENGTH, lane] = scale_distance(route[agent, to + LENGTH, lane])
+            side, first = route[agent, to + TURN, lane], route[agent, to + FIRST, lane]
+            columns[column, lane] = side
+            columns[column + 1, lane] = scale_distance(first)
+            columns[column + 2, lane] = scale_distance(route[agent, to + LENGTH, lane])
+            share = side * min(first * (1.0 / _AHEAD), 1.0)
+            radius = _radius(world, agent, place, lane)
+            columns[column + 3, lane] = share * steering_along(world, agent, radius, lane)
+
+
+@kernel
+def _radius(world, agent, place, lane):
+    """Return the radius of the circles [m] of the path to the goal, or to the point before it."""
+    stable, drivable = stable_radius(world, agent, lane), drivable_radius(world, agent, lane)
+    return drivable if place == 0 else stable
+
+
+@kernel
+def steering_along(world, agent, radius, lane):
+    """Return the steering that keeps to a circle, as a share of what the wheels allow: at most 1.
+
+    Args:
+        world, agent, lane: which HAV.
+        radius: of the circle of its rear axle [m].
+    """
+    _, steering_max, _ = limits(world, agent, lane)
+    return min(atan2_positive(unit_length(world, agent, 0, lane), radius) / steering_max, 1.0)
