@@ -98,7 +98,22 @@ def draw_trajectory(
     rows = _rows_between(trajectory, excerpt)
     figure = new_figure(4.0)
     axes = figure.add_subplot()
-    moment = _row_of(trajectory, excerpt)
+    draw_episode(axes, trajectory, title, excerpt, moments, task)
+    _fit_height(figure, axes)
+    figure.legend(handles=_legend(trajectory, rows, excerpt, task), loc="outside right upper")
+    return figure
+
+
+def draw_episode(
+    axes: Axes,
+    trajectory: Trajectory,
+    title: str,
+    excerpt: Excerpt,
+    moments: int,
+    task: Task = Task(),
+) -> None:
+    """Draw what ``draw_trajectory`` draws into axes, without a legend."""
+    rows, moment = _rows_between(trajectory, excerpt), _row_of(trajectory, excerpt)
     shown = _choose_moments(trajectory, rows, moments, None if excerpt.moment is None else moment)
     for hav in range(len(trajectory.num_trailers)):
         _draw_poses(axes, trajectory, hav, rows, task)
@@ -113,9 +128,6 @@ def draw_trajectory(
         axes.plot(x, y, "o", ms=13, mfc="none", mec=DARK, mew=1.2, zorder=6)
     axes.set(xlabel="x [m]", ylabel="y [m]", title=title)
     axes.set_aspect("equal", adjustable="datalim")
-    _fit_height(figure, axes)
-    figure.legend(handles=_legend(trajectory, rows, excerpt, task), loc="outside right upper")
-    return figure
 
 
 def _rows_between(trajectory: Trajectory, excerpt: Excerpt) -> np.ndarray:

@@ -48,25 +48,58 @@ def measure(table: pa.Table, figure: Figure) -> Interval:
     return wilson(int(values.sum()), values.size) if figure.percent else mean(values)
 
 
+class Score(NamedTuple):
+    """A figure of a policy, and how much it differs from the first policy's."""
+
+    policy: str
+    figure: Figure
+    measured: Interval
+    difference: Interval | None
+    """On the same HAVs of the same episodes; None for the first policy."""
+
+
+def score(names: list[str], tables: list[pa.Table]) -> list[list[Score]]:
+    """Return the scores of all policies, a list for each figure."""
+    first = tables[0]
+    episodes = first["episode"].to_numpy()
+    rows = []
+    for figure in figures_of(first):
+        reference = values_of(first, figure)
+        rows.append([Score(names[0], figure, measure(first, figure), None)])
+        for name, table in zip(names[1:], tables[1:], strict=True):
+            difference = paired_difference(episodes, values_of(table, figure), reference)
+            rows[-1].append(Score(name, figure, measure(table, figure), difference))
+    return rows
+
+
 def compare(names: list[str], tables: list[pa.Table]) -> list[list[str]]:
     """Return the rows of a comparison: figure, then each policy's value.
 
     Behind every policy but the first stands how much it differs from the first on the same HAVs of
     the same episodes, with its 95 % interval, and a star where that interval excludes zero.
     """
-    first = tables[0]
-    episodes = first["episode"].to_numpy()
     rows = [["", *names]]
-    for figure in figures_of(first):
-        row = [figure.name, measure(first, figure).show(figure.percent)]
-        reference = values_of(first, figure)
-        for table in tables[1:]:
-            difference = paired_difference(episodes, values_of(table, figure), reference)
-            row.append(
-                f"{measure(table, figure).show(figure.percent)}; {_signed(difference, figure)}"
-            )
-        rows.append(row)
+    for scores in score(names, tables):
+        cells = []
+        for _, figure, measured, difference in scores:
+            behind = "" if difference is None else f"; {_signed(difference, figure)}"
+            cells.append(f"{measured.show(figure.percent)}{behind}")
+        rows.append([scores[0].figure.name, *cells])
     return rows
+
+
+def tabulate_scores(scores: list[list[Score]]) -> pa.Table:
+    """Return scores as a table, one row for each policy and figure.
+
+    Columns: ``policy``, ``figure``, ``value``, ``low``, ``high`` (95 %), ``size`` (observations),
+    and the same of the difference from the first policy, ``difference_...``, null for that one.
+    """
+    rows = []
+    for one in (one for row in scores for one in row):
+        told = {"policy": one.policy, "figure": one.figure.name, **one.measured._asdict()}
+        difference = one.difference or Interval(None, None, None, 0)  # type: ignore[arg-type]
+        rows.append(told | {f"difference_{k}": v for k, v in difference._asdict().items()})
+    return pa.Table.from_pylist(rows)
 
 
 def _signed(difference: Interval, figure: Figure) -> str:

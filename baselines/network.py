@@ -79,8 +79,8 @@ def _(policy: Network, scenario) -> None:
 
 
 def _say(observation: Observation, max_trailers: int) -> str:
-    chains = " with trailers" if observation.chains else ""
-    return f"{observation.neighbors} neighbors{chains} and up to {max_trailers} trailers"
+    more = "".join(f" with {what}" for what in ("chains", "gaps") if getattr(observation, what))
+    return f"{observation.neighbors} neighbors{more} and up to {max_trailers} trailers"
 
 
 @act_lanes.register(Network)

@@ -1,7 +1,9 @@
 """Footprints and chains: whether HAVs could touch, and whether they do."""
 
+import math
+
 from hav_env.compiled import kernel
-from hav_env.geometry import segments_intersect
+from hav_env.geometry import nearest_on_segment, segments_intersect
 from hav_env.world import END_X, END_Y, FOOTPRINT, HIGH, LEFT, LOW, RIGHT, truck_distance
 
 
@@ -98,3 +100,38 @@ def actual_collision(world, agent, other, lane):
             cx, cy = dx, dy
         ax, ay = bx, by
     return False
+
+
+@kernel
+def chain_distance(world, agent, other, lane):
+    """Return the distance [m] between the chains of axles of two HAVs; 0 where they cross.
+
+    Of two segments that do not cross, an end of one of them is nearest to the other.
+    """
+    if boxes_overlap(world, agent, other, lane) and actual_collision(world, agent, other, lane):
+        return 0.0
+    return math.sqrt(
+        min(
+            _nearest_axle(world, agent, other, lane),
+            _nearest_axle(world, other, agent, lane),
+        )
+    )
+
+
+@kernel
+def _nearest_axle(world, agent, other, lane):
+    """Return the squared distance [m^2] of the axles of a HAV, at least, from another's chain."""
+    least = math.inf
+    x, y = front_axle(world, agent, lane)
+    for unit in range(world.fleet.num_trailers[agent, lane] + 2):
+        ax, ay = front_axle(world, other, lane)
+        for other_unit in range(world.fleet.num_trailers[other, lane] + 1):
+            length = world.fleet.length[other, other_unit, lane]
+            back_x = -world.state.cosine[other, other_unit, lane]
+            back_y = -world.state.sine[other, other_unit, lane]
+            px, py = nearest_on_segment(ax, ay, back_x, back_y, length, x, y)
+            least = min(least, (px - x) * (px - x) + (py - y) * (py - y))
+            ax, ay = ax + length * back_x, ay + length * back_y
+        if unit <= world.fleet.num_trailers[agent, lane]:
+            x, y = axle_behind(world, agent, unit, lane, x, y)
+    return least

@@ -8,7 +8,7 @@ import functools
 import math
 from typing import NamedTuple
 
-from hav_env.collision import collision_distance
+from hav_env.collision import chain_distance, collision_distance
 from hav_env.compiled import fixed, generic, kernel
 from hav_env.events import goals_hit
 from hav_env.geometry import clip
@@ -44,6 +44,9 @@ class Reward(NamedTuple):
     potential_collision: float = -1.0
     """For each second, times how deep the footprint circle of the nearest HAV has been entered: 0
     at the collision distance, 1 where both trucks are at the same place."""
+    proximity: float = 0.0
+    """For each second, times how near the chain of another HAV is, squared: 0 from 5 m on, 1 where
+    they touch. It takes time to work out, and is not where its weight is 0."""
     articulation: float = -0.1
     """For each second, times how near the largest articulation is to its limit, squared: 0 up to
     half of the limit, 1 at the limit."""
@@ -53,8 +56,9 @@ class Reward(NamedTuple):
     """For each second."""
 
 
-PROGRESS, GOAL, JACKKNIFE_TERM, ACTUAL_TERM, POTENTIAL_TERM, ARTICULATION_TERM = range(6)
-STEERING_TERM, TIME = 6, 7
+PROGRESS, GOAL, JACKKNIFE_TERM, ACTUAL_TERM, POTENTIAL_TERM, PROXIMITY_TERM = range(6)
+ARTICULATION_TERM, STEERING_TERM, TIME = range(6, 9)
+_NEAR = 5.0  # [m], what is near
 
 
 @generic
@@ -136,6 +140,12 @@ def default_terms(reward, duration, world, agent, before, remaining, terms):
     if state.x.shape[0] > 1:
         for lane in range(world.lanes):
             terms[POTENTIAL_TERM, agent, lane] = duration * _deepest(world, agent, lane)
+    for lane in range(world.lanes):
+        terms[PROXIMITY_TERM, agent, lane] = 0.0
+    if state.x.shape[0] > 1 and reward.proximity != 0.0:
+        for lane in range(world.lanes):
+            nearness = _nearness(world, agent, lane)
+            terms[PROXIMITY_TERM, agent, lane] = duration * nearness * nearness
 
 
 @kernel
@@ -148,3 +158,14 @@ def _deepest(world, agent, lane):
         distance = truck_distance(world.state, agent, other, lane)
         deepest = max(deepest, 1.0 - distance / allowed)
     return deepest
+
+
+@kernel
+def _nearness(world, agent, lane):
+    """Return how near the nearest chain is: from 0 to 1."""
+    nearness = 0.0
+    for k in range(world.nearby.count[agent, lane]):
+        other = world.nearby.index[agent, k, lane]
+        gap = chain_distance(world, agent, other, lane)
+        nearness = max(nearness, 1.0 - gap / _NEAR)
+    return nearness

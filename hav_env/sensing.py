@@ -7,7 +7,7 @@ and it makes every policy indifferent to where in the plane the world lies.
 
 import math
 
-from hav_env.collision import front_axle
+from hav_env.collision import chain_distance, front_axle
 from hav_env.compiled import kernel
 from hav_env.geometry import into_frame, nearest_on_segment, wrap
 from hav_env.world import (
@@ -203,6 +203,19 @@ def neighbor_nearest_point(world, agent, k, lane):
             least, nearest_x, nearest_y = squared, px, py
         ax, ay = ax + length * back_x, ay + length * back_y
     return into_truck_frame(state, agent, lane, nearest_x - x, nearest_y - y)
+
+
+@kernel
+def neighbor_speed(world, agent, k, lane):
+    """Return the speed of neighbour ``k`` in the last step [m/s]; one that waits has none."""
+    other = world.nearby.index[agent, k, lane]
+    return 0.0 if world.state.waiting[other, lane] else world.state.speed[other, lane]
+
+
+@kernel
+def neighbor_gap(world, agent, k, lane):
+    """Return the distance between the own chain and that of neighbour ``k`` [m]."""
+    return chain_distance(world, agent, world.nearby.index[agent, k, lane], lane)
 
 
 @kernel

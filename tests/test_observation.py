@@ -135,7 +135,15 @@ class Witness:
         others = [k for k in range(len(self.places)) if k != agent and self.senses(agent, k)]
         return sorted(others, key=lambda other: self.clearance(agent, other))
 
-    def neighbor(self, agent, other, most, chains):
+    def between(self, agent, other):
+        one, two = (
+            LineString([(axle.real, axle.imag) for axle in self.chain(hav)])
+            for hav in (agent, other)
+        )
+        speed = 0.0 if self.state.waiting[other, self.w] else self.state.speed[other, self.w]
+        return {"speed": speed / 10.0, "gap": scaled(one.distance(two))}
+
+    def neighbor(self, agent, other, most, observation):
         frame = np.exp(-1j * self.headings(agent)[0])
         place, gap = self.places[agent], self.clearance(agent, other)
         chain = LineString([(axle.real, axle.imag) for axle in self.chain(other)])
@@ -148,7 +156,8 @@ class Witness:
             "clearance": math.copysign(scaled(abs(gap)), gap),
             "truck_length": length(self.lengths(other)[0]),
             **polar("chain", (complex(x, y) - place) * frame),
-            **(self.units(other, most, first=1) if chains else {}),
+            **(self.units(other, most, first=1) if observation.chains else {}),
+            **(self.between(agent, other) if observation.gaps else {}),
         }
 
     def row(self, agent, observation, most):
@@ -157,20 +166,20 @@ class Witness:
         for rank in range(observation.neighbors):
             prefix = f"neighbor_{rank}_"
             if rank < len(found):
-                seen = self.neighbor(agent, found[rank], most, observation.chains)
+                seen = self.neighbor(agent, found[rank], most, observation)
                 columns |= {prefix + name.removeprefix("_"): v for name, v in seen.items()}
         return columns
 
 
-@pytest.mark.parametrize("chains", [False, True])
+@pytest.mark.parametrize(("chains", "gaps"), [(False, False), (True, False), (True, True)])
 @pytest.mark.parametrize("neighbors", [0, 2, 9])
 @pytest.mark.parametrize("scenario", ["paper-single", "swarm-10", "crossing-8", "column-5"])
-def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains):
+def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, gaps):
     num_worlds = budget(3, 1)
     process = DecisionProcess(
         num_worlds,
         scenario=scenario,
-        observation=Observation(neighbors, chains),
+        observation=Observation(neighbors, chains, gaps),
         task=Task(sensing_range=RANGE),
     )
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import budget, limit, put, side_by_side, wrapped
 from probes import Watched
+from shapely import LineString
 
 from hav_env import Reward, explicit, parallel_env
 from hav_env.decision_process import DecisionProcess
@@ -74,6 +75,7 @@ class Referee:
             "jackknife": self.harmed[:, 0] - harmed[:, 0],
             "actual_collision": self.harmed[:, 1] - harmed[:, 1],
             "potential_collision": duration * self.depth(),
+            "proximity": duration * self.nearness() ** 2,
             "articulation": duration * self.bend() ** 2,
             "steering": duration * (worlds.state.steering / worlds.fleet.limit[:, STEERING]) ** 2,
             "time": np.full(waited.shape, duration),
@@ -88,6 +90,23 @@ class Referee:
         share = bends.max(axis=1) / worlds.fleet.limit[:, ARTICULATION]
         return np.clip(2.0 * share - 1.0, 0.0, 1.0)
 
+    def nearness(self):
+        """Return 1 where the nearest chain touches the own, 0 where it is 5 m away, (N, W)."""
+        num_havs, num_worlds = self.worlds.state.x.shape
+        gaps = np.full((num_havs, num_havs, num_worlds), math.inf)
+        for one, other, w in np.ndindex(gaps.shape):
+            if one != other:
+                gaps[one, other, w] = self.chain(one, w).distance(self.chain(other, w))
+        return np.clip(1.0 - gaps.min(axis=1) / 5.0, 0.0, 1.0)
+
+    def chain(self, hav, w):
+        state, fleet = self.worlds.state, self.worlds.fleet
+        units = slice(fleet.num_trailers[hav, w] + 1)
+        steps = fleet.length[hav, units, w] * np.exp(1j * state.heading[hav, units, w])
+        rear = complex(state.x[hav, w], state.y[hav, w])
+        axles = [rear + steps[0], rear, *(rear - steps[1:].cumsum())]
+        return LineString([(axle.real, axle.imag) for axle in axles])
+
     def depth(self):
         places = self.worlds.state.x + 1j * self.worlds.state.y
         radius = self.worlds.fleet.radius[:, 0]
@@ -100,7 +119,8 @@ class Referee:
 @pytest.mark.parametrize("scenario", ["paper-pair", "crossing-8", "column-5"])
 def test_every_term_is_what_its_docstring_says(scenario, frame_skip):
     num_worlds = budget(6, 1)
-    process = made(num_worlds, scenario=scenario, frame_skip=frame_skip)
+    reward = Reward(proximity=-0.5)
+    process = made(num_worlds, scenario=scenario, frame_skip=frame_skip, reward=reward)
     worlds, rng = process.batch.worlds, np.random.default_rng(1)
     # narrow limits and turns, so that there are jackknifes and deep bends
     worlds.fleet.limit[:, ARTICULATION] = 0.5
@@ -110,7 +130,7 @@ def test_every_term_is_what_its_docstring_says(scenario, frame_skip):
         told = process.step(actions)
         referee.judge(0.2 * frame_skip)
         assert terms_of(process, told) == pytest.approx(
-            referee.total * np.array(Reward())[:, None, None], abs=1e-8
+            referee.total * np.array(reward)[:, None, None], abs=1e-8
         )
     if budget(1, 0):
         happened = (referee.total != 0.0).any(axis=(1, 2))

@@ -45,8 +45,8 @@ from train.sb3_env import HAVVecEnv
 HELD_OUT = 0  # the seed of the episodes that policies are scored on: never trained on
 TRAINING = 1_000_000  # the first seed of episodes to train on
 CHECKPOINT = "checkpoint.pt"
-CURRICULUM = Curriculum()
-REWARD = Reward(jackknife=-50.0, actual_collision=-50.0, potential_collision=-0.1)
+CURRICULUM, OBSERVATION = Curriculum(), Observation(neighbors=1, gaps=True)
+REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-1.0, time=-0.05)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -59,16 +59,16 @@ class Arguments:
     """Folder of the run."""
     seed: int = 0
     """The same seed gives the same weights, on the same machine with the same versions."""
-    decisions: int = 100_000_000
+    decisions: int = 60_000_000
     """For how long to learn: actions of all HAVs together."""
     worlds: int = 512
     """How many run side by side."""
     rollout_decisions: int = 64
     """Actions of each HAV between updates."""
     batch_size: int = 4_096
-    epochs: int = 8
+    epochs: int = 4
     """How often each action is learned from."""
-    learning_rate: float = 5e-4
+    learning_rate: float = 1e-3
     """At the beginning; it falls to nothing along a straight line."""
     discount: float = 0.995
     """For each action."""
@@ -84,8 +84,8 @@ class Arguments:
     """For how many steps of the simulator an action is held."""
     max_steps: int = 4_000
     """Of an episode to train on, in steps of the simulator; those of evaluations are the task's."""
-    neighbors: int = 4
-    """How many others a HAV observes, if there are as many."""
+    observation: Observation = OBSERVATION
+    """What a HAV observes of others; of no more than there are."""
     trailer_sigma: float = 4.5
     """Of the trailer counts to train on, see ``RandomFleet``; evaluations have the scenario's."""
     reward: Reward = REWARD
@@ -129,7 +129,7 @@ class Run:
         env = HAVVecEnv(
             arguments.worlds,
             scenario=lengthen(scenario_of(arguments.scenario), arguments.trailer_sigma),
-            observation=Observation(neighbors=arguments.neighbors),
+            observation=arguments.observation,
             reward=arguments.reward,
             frame_skip=arguments.frame_skip,
             threads=arguments.threads,
@@ -338,6 +338,7 @@ def plain(arguments: Arguments) -> dict[str, Any]:
     told = dataclasses.asdict(arguments)
     return told | {
         "output": str(arguments.output),
+        "observation": arguments.observation._asdict(),
         "reward": arguments.reward._asdict(),
         "curriculum": arguments.curriculum._asdict(),
     }
@@ -348,6 +349,7 @@ def arguments_of(told: dict[str, Any]) -> Arguments:
     changed = {
         "output": pathlib.Path(told["output"]),
         "layers": tuple(told["layers"]),
+        "observation": Observation(**told["observation"]),
         "reward": Reward(**told["reward"]),
         "curriculum": Curriculum(**told["curriculum"]),
     }

@@ -55,6 +55,7 @@ NEIGHBOR = (
     "chain_bearing_cosine",
     "chain_bearing_sine",
 )
+GAPS = ("speed", "gap")
 PRESENT, PLACE, RELATIVE_HEADING, OTHER_FOOTPRINT, CLEARANCE, TRUCK, NEAREST, CHAIN = (
     *(0, 1, 4, 6),
     *(7, 8, 9, 12),
@@ -68,6 +69,8 @@ class Observation(NamedTuple):
     """K, of how many HAVs in sensing range, nearest first; never more than there are others."""
     chains: bool = False
     """Add the lengths and articulations of the neighbours' trailers."""
+    gaps: bool = False
+    """Add the neighbours' speeds and the distances between their chains and the own."""
 
 
 def check_observation(observation: Observation) -> None:
@@ -96,7 +99,8 @@ def name_columns(observation: Observation, max_trailers: int) -> tuple[str, ...]
     names = [*OWN, *(f"length_{unit}" for unit in range(max_trailers + 1)), *bends]
     for k in range(observation.neighbors):
         chain = [*(f"length_{j}" for j in joints), *bends] if observation.chains else []
-        names += [f"neighbor_{k}_{name}" for name in (*NEIGHBOR, *chain)]
+        gaps = GAPS if observation.gaps else ()
+        names += [f"neighbor_{k}_{name}" for name in (*NEIGHBOR, *chain, *gaps)]
     return tuple(names)
 
 

@@ -12,6 +12,7 @@ from hav_env.observation.layout import (
     PLACE,
     PRESENT,
     RELATIVE_HEADING,
+    SPEED_UNIT,
     TRUCK,
     UNITS,
     scale_distance,
@@ -23,10 +24,12 @@ from hav_env.sensing import (
     neighbor_articulation,
     neighbor_distance,
     neighbor_footprint,
+    neighbor_gap,
     neighbor_heading_direction,
     neighbor_length,
     neighbor_nearest_point,
     neighbor_position,
+    neighbor_speed,
     neighbor_trailers,
     num_neighbors,
     own_footprint,
@@ -41,7 +44,8 @@ def observe_neighbors(observation, world, agent, columns):
     roots and logarithms is then worked out for all lanes at once.
     """
     joints = world.state.heading.shape[1] - 1
-    size = CHAIN + (3 * joints if observation.chains else 0)
+    gaps = CHAIN + (3 * joints if observation.chains else 0)
+    size = gaps + (2 if observation.gaps else 0)
     first = UNITS + 1 + 3 * joints
     for number in range(first, first + size * observation.neighbors):
         column = fixed(number)
@@ -55,6 +59,11 @@ def observe_neighbors(observation, world, agent, columns):
             _look_at_neighbor(world, agent, nearest, least, columns, column, lane)
             if observation.chains:
                 _observe_chain(world, agent, nearest, columns, column + CHAIN, lane)
+            if observation.gaps:
+                speed = neighbor_speed(world, agent, nearest, lane)
+                gap = neighbor_gap(world, agent, nearest, lane)
+                columns[column + gaps, lane] = min(speed * (1.0 / SPEED_UNIT), 1.0)
+                columns[column + gaps + 1, lane] = scale_distance(gap)
     for rank in range(observation.neighbors):
         _scale_neighbor(world, columns, fixed(first + size * rank))
 
