@@ -79,7 +79,7 @@ def _(policy: Network, scenario) -> None:
 
 
 def _say(observation: Observation, max_trailers: int) -> str:
-    more = "".join(f" with {what}" for what in ("chains", "gaps") if getattr(observation, what))
+    more = "".join(f" with {what}" for what in ("chains", "fronts") if getattr(observation, what))
     return f"{observation.neighbors} neighbors{more} and up to {max_trailers} trailers"
 
 

@@ -103,35 +103,27 @@ def actual_collision(world, agent, other, lane):
 
 
 @kernel
-def chain_distance(world, agent, other, lane):
-    """Return the distance [m] between the chains of axles of two HAVs; 0 where they cross.
-
-    Of two segments that do not cross, an end of one of them is nearest to the other.
-    """
-    if boxes_overlap(world, agent, other, lane) and actual_collision(world, agent, other, lane):
-        return 0.0
-    return math.sqrt(
-        min(
-            _nearest_axle(world, agent, other, lane),
-            _nearest_axle(world, other, agent, lane),
+def nearest_on_chain(world, agent, lane, x, y):
+    """Return the point of the chain of axles of a HAV that is nearest to a place [m]."""
+    ax, ay = front_axle(world, agent, lane)
+    least, nearest_x, nearest_y = math.inf, ax, ay
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        length = world.fleet.length[agent, unit, lane]
+        back_x, back_y = (
+            -world.state.cosine[agent, unit, lane],
+            -world.state.sine[agent, unit, lane],
         )
-    )
+        px, py = nearest_on_segment(ax, ay, back_x, back_y, length, x, y)
+        squared = (px - x) * (px - x) + (py - y) * (py - y)
+        if squared < least:
+            least, nearest_x, nearest_y = squared, px, py
+        ax, ay = ax + length * back_x, ay + length * back_y
+    return nearest_x, nearest_y
 
 
 @kernel
-def _nearest_axle(world, agent, other, lane):
-    """Return the squared distance [m^2] of the axles of a HAV, at least, from another's chain."""
-    least = math.inf
+def front_gap(world, agent, other, lane):
+    """Return the distance [m] from the truck's front axle to the chain of another HAV."""
     x, y = front_axle(world, agent, lane)
-    for unit in range(world.fleet.num_trailers[agent, lane] + 2):
-        ax, ay = front_axle(world, other, lane)
-        for other_unit in range(world.fleet.num_trailers[other, lane] + 1):
-            length = world.fleet.length[other, other_unit, lane]
-            back_x = -world.state.cosine[other, other_unit, lane]
-            back_y = -world.state.sine[other, other_unit, lane]
-            px, py = nearest_on_segment(ax, ay, back_x, back_y, length, x, y)
-            least = min(least, (px - x) * (px - x) + (py - y) * (py - y))
-            ax, ay = ax + length * back_x, ay + length * back_y
-        if unit <= world.fleet.num_trailers[agent, lane]:
-            x, y = axle_behind(world, agent, unit, lane, x, y)
-    return least
+    px, py = nearest_on_chain(world, other, lane, x, y)
+    return math.sqrt((px - x) * (px - x) + (py - y) * (py - y))

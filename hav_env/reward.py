@@ -8,7 +8,7 @@ import functools
 import math
 from typing import NamedTuple
 
-from hav_env.collision import chain_distance, collision_distance
+from hav_env.collision import collision_distance, front_gap
 from hav_env.compiled import fixed, generic, kernel
 from hav_env.events import goals_hit
 from hav_env.geometry import clip
@@ -45,8 +45,8 @@ class Reward(NamedTuple):
     """For each second, times how deep the footprint circle of the nearest HAV has been entered: 0
     at the collision distance, 1 where both trucks are at the same place."""
     proximity: float = 0.0
-    """For each second, times how near the chain of another HAV is, squared: 0 from 5 m on, 1 where
-    they touch. It takes time to work out, and is not where its weight is 0."""
+    """For each second, times how near the truck's front axle is to the chain of another HAV,
+    squared: 0 from 5 m on, 1 where they touch. Not worked out where its weight is 0."""
     articulation: float = -0.1
     """For each second, times how near the largest articulation is to its limit, squared: 0 up to
     half of the limit, 1 at the limit."""
@@ -162,10 +162,10 @@ def _deepest(world, agent, lane):
 
 @kernel
 def _nearness(world, agent, lane):
-    """Return how near the nearest chain is: from 0 to 1."""
+    """Return how near the truck's front is to the nearest chain: from 0 to 1."""
     nearness = 0.0
     for k in range(world.nearby.count[agent, lane]):
         other = world.nearby.index[agent, k, lane]
-        gap = chain_distance(world, agent, other, lane)
+        gap = front_gap(world, agent, other, lane)
         nearness = max(nearness, 1.0 - gap / _NEAR)
     return nearness

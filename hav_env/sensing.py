@@ -5,11 +5,9 @@ read the world through these functions alone: that is the decentralisation contr
 and it makes every policy indifferent to where in the plane the world lies.
 """
 
-import math
-
-from hav_env.collision import chain_distance, front_axle
+from hav_env.collision import front_axle, front_gap, nearest_on_chain
 from hav_env.compiled import kernel
-from hav_env.geometry import into_frame, nearest_on_segment, wrap
+from hav_env.geometry import into_frame, wrap
 from hav_env.world import (
     ARTICULATION,
     COSINE,
@@ -192,17 +190,25 @@ def neighbor_nearest_point(world, agent, k, lane):
     """Return the point of the chain of neighbour ``k`` that is nearest: forward [m], left [m]."""
     state, other = world.state, world.nearby.index[agent, k, lane]
     x, y = state.x[agent, lane], state.y[agent, lane]
-    ax, ay = front_axle(world, other, lane)
-    least, nearest_x, nearest_y = math.inf, ax, ay
-    for unit in range(world.fleet.num_trailers[other, lane] + 1):
-        length = world.fleet.length[other, unit, lane]
-        back_x, back_y = -state.cosine[other, unit, lane], -state.sine[other, unit, lane]
-        px, py = nearest_on_segment(ax, ay, back_x, back_y, length, x, y)
-        squared = (px - x) * (px - x) + (py - y) * (py - y)
-        if squared < least:
-            least, nearest_x, nearest_y = squared, px, py
-        ax, ay = ax + length * back_x, ay + length * back_y
-    return into_truck_frame(state, agent, lane, nearest_x - x, nearest_y - y)
+    px, py = nearest_on_chain(world, other, lane, x, y)
+    return into_truck_frame(state, agent, lane, px - x, py - y)
+
+
+@kernel
+def neighbor_before_front(world, agent, k, lane):
+    """Return the point of the chain of neighbour ``k`` that is nearest to the own front axle.
+
+    It is seen from there: forward [m], left [m].
+    """
+    x, y = front_axle(world, agent, lane)
+    px, py = nearest_on_chain(world, world.nearby.index[agent, k, lane], lane, x, y)
+    return into_truck_frame(world.state, agent, lane, px - x, py - y)
+
+
+@kernel
+def neighbor_front_gap(world, agent, k, lane):
+    """Return the distance from the front axle of neighbour ``k`` to the own chain [m]."""
+    return front_gap(world, world.nearby.index[agent, k, lane], agent, lane)
 
 
 @kernel
@@ -210,12 +216,6 @@ def neighbor_speed(world, agent, k, lane):
     """Return the speed of neighbour ``k`` in the last step [m/s]; one that waits has none."""
     other = world.nearby.index[agent, k, lane]
     return 0.0 if world.state.waiting[other, lane] else world.state.speed[other, lane]
-
-
-@kernel
-def neighbor_gap(world, agent, k, lane):
-    """Return the distance between the own chain and that of neighbour ``k`` [m]."""
-    return chain_distance(world, agent, world.nearby.index[agent, k, lane], lane)
 
 
 @kernel

@@ -140,8 +140,15 @@ class Witness:
             LineString([(axle.real, axle.imag) for axle in self.chain(hav)])
             for hav in (agent, other)
         )
+        ours, theirs = (Point(line.coords[0]) for line in (one, two))
+        _, (x, y) = shortest_line(ours, two).coords
+        frame = np.exp(-1j * self.headings(agent)[0])
         speed = 0.0 if self.state.waiting[other, self.w] else self.state.speed[other, self.w]
-        return {"speed": speed / 10.0, "gap": scaled(one.distance(two))}
+        return {
+            **polar("front", complex(x - ours.x, y - ours.y) * frame),
+            "speed": speed / 10.0,
+            "front_gap": scaled(theirs.distance(one)),
+        }
 
     def neighbor(self, agent, other, most, observation):
         frame = np.exp(-1j * self.headings(agent)[0])
@@ -157,7 +164,7 @@ class Witness:
             "truck_length": length(self.lengths(other)[0]),
             **polar("chain", (complex(x, y) - place) * frame),
             **(self.units(other, most, first=1) if observation.chains else {}),
-            **(self.between(agent, other) if observation.gaps else {}),
+            **(self.between(agent, other) if observation.fronts else {}),
         }
 
     def row(self, agent, observation, most):
@@ -171,15 +178,15 @@ class Witness:
         return columns
 
 
-@pytest.mark.parametrize(("chains", "gaps"), [(False, False), (True, False), (True, True)])
+@pytest.mark.parametrize(("chains", "fronts"), [(False, False), (True, False), (True, True)])
 @pytest.mark.parametrize("neighbors", [0, 2, 9])
 @pytest.mark.parametrize("scenario", ["paper-single", "swarm-10", "crossing-8", "column-5"])
-def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, gaps):
+def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, fronts):
     num_worlds = budget(3, 1)
     process = DecisionProcess(
         num_worlds,
         scenario=scenario,
-        observation=Observation(neighbors, chains, gaps),
+        observation=Observation(neighbors, chains, fronts),
         task=Task(sensing_range=RANGE),
     )
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import budget, limit, put, side_by_side, wrapped
 from probes import Watched
-from shapely import LineString
+from shapely import LineString, Point
 
 from hav_env import Reward, explicit, parallel_env
 from hav_env.decision_process import DecisionProcess
@@ -91,12 +91,13 @@ class Referee:
         return np.clip(2.0 * share - 1.0, 0.0, 1.0)
 
     def nearness(self):
-        """Return 1 where the nearest chain touches the own, 0 where it is 5 m away, (N, W)."""
+        """Return 1 where the front touches the nearest chain, 0 where it is 5 m away, (N, W)."""
         num_havs, num_worlds = self.worlds.state.x.shape
         gaps = np.full((num_havs, num_havs, num_worlds), math.inf)
         for one, other, w in np.ndindex(gaps.shape):
             if one != other:
-                gaps[one, other, w] = self.chain(one, w).distance(self.chain(other, w))
+                front = Point(self.chain(one, w).coords[0])
+                gaps[one, other, w] = front.distance(self.chain(other, w))
         return np.clip(1.0 - gaps.min(axis=1) / 5.0, 0.0, 1.0)
 
     def chain(self, hav, w):

@@ -45,7 +45,7 @@ from train.sb3_env import HAVVecEnv
 HELD_OUT = 0  # the seed of the episodes that policies are scored on: never trained on
 TRAINING = 1_000_000  # the first seed of episodes to train on
 CHECKPOINT = "checkpoint.pt"
-CURRICULUM, OBSERVATION = Curriculum(), Observation(neighbors=1, gaps=True)
+CURRICULUM, OBSERVATION = Curriculum(), Observation(neighbors=1, fronts=True)
 REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-1.0, time=-0.05)
 
 
@@ -119,6 +119,45 @@ PRESETS = {
 }
 
 
+def make_worlds(arguments: Arguments) -> HAVVecEnv:
+    """Return the worlds to train on."""
+    return HAVVecEnv(
+        arguments.worlds,
+        scenario=lengthen(scenario_of(arguments.scenario), arguments.trailer_sigma),
+        observation=arguments.observation,
+        reward=arguments.reward,
+        frame_skip=arguments.frame_skip,
+        threads=arguments.threads,
+        task=Task(max_steps=arguments.max_steps, on_jackknife="end", on_collision="end"),
+    )
+
+
+def make_learner(arguments: Arguments, env: VecNormalize) -> PPO:
+    """Return a learner that has learned nothing yet."""
+    return PPO(
+        "MlpPolicy",
+        env,
+        learning_rate=_falling(arguments.learning_rate),
+        n_steps=arguments.rollout_decisions,
+        batch_size=arguments.batch_size,
+        n_epochs=arguments.epochs,
+        gamma=arguments.discount,
+        gae_lambda=arguments.gae_lambda,
+        clip_range=arguments.clip_range,
+        ent_coef=arguments.entropy,
+        policy_kwargs={
+            "net_arch": list(arguments.layers),
+            "log_std_init": float(np.log(arguments.deviation)),
+        },
+        seed=arguments.seed,
+        device="cpu",
+    )
+
+
+def _falling(rate: float) -> Any:
+    return lambda remaining: rate * remaining
+
+
 class Run:
     """One training: the learner, and all that changes while it learns."""
 
@@ -126,35 +165,10 @@ class Run:
         """Set up the worlds and the learner; nothing is written."""
         torch.set_num_threads(arguments.threads)
         self.arguments = arguments
-        env = HAVVecEnv(
-            arguments.worlds,
-            scenario=lengthen(scenario_of(arguments.scenario), arguments.trailer_sigma),
-            observation=arguments.observation,
-            reward=arguments.reward,
-            frame_skip=arguments.frame_skip,
-            threads=arguments.threads,
-            task=Task(max_steps=arguments.max_steps, on_jackknife="end", on_collision="end"),
-        )
-        self.process = env.process
-        self.env = VecNormalize(env, gamma=arguments.discount)
-        self.learner = PPO(
-            "MlpPolicy",
-            self.env,
-            learning_rate=_falling(arguments.learning_rate),
-            n_steps=arguments.rollout_decisions,
-            batch_size=arguments.batch_size,
-            n_epochs=arguments.epochs,
-            gamma=arguments.discount,
-            gae_lambda=arguments.gae_lambda,
-            clip_range=arguments.clip_range,
-            ent_coef=arguments.entropy,
-            policy_kwargs={
-                "net_arch": list(arguments.layers),
-                "log_std_init": float(np.log(arguments.deviation)),
-            },
-            seed=arguments.seed,
-            device="cpu",
-        )
+        worlds = make_worlds(arguments)
+        self.process = worlds.process
+        self.env = VecNormalize(worlds, gamma=arguments.discount)
+        self.learner = make_learner(arguments, self.env)
         self.env.seed(TRAINING + arguments.seed * arguments.worlds)
         self.curve: list[dict[str, float]] = []
         self.seconds = 0.0  # of learning, over all sittings
@@ -239,10 +253,6 @@ class Run:
         learner.set_logger(configure(str(arguments.output), ["tensorboard"]))
         with Between(self) as between:
             learner.learn(left, callback=between, reset_num_timesteps=False)
-
-
-def _falling(rate: float) -> Any:
-    return lambda remaining: rate * remaining
 
 
 def score(figures: dict[str, float]) -> float:

@@ -55,7 +55,7 @@ NEIGHBOR = (
     "chain_bearing_cosine",
     "chain_bearing_sine",
 )
-GAPS = ("speed", "gap")
+FRONTS = ("front_distance", "front_bearing_cosine", "front_bearing_sine", "speed", "front_gap")
 PRESENT, PLACE, RELATIVE_HEADING, OTHER_FOOTPRINT, CLEARANCE, TRUCK, NEAREST, CHAIN = (
     *(0, 1, 4, 6),
     *(7, 8, 9, 12),
@@ -69,8 +69,8 @@ class Observation(NamedTuple):
     """K, of how many HAVs in sensing range, nearest first; never more than there are others."""
     chains: bool = False
     """Add the lengths and articulations of the neighbours' trailers."""
-    gaps: bool = False
-    """Add the neighbours' speeds and the distances between their chains and the own."""
+    fronts: bool = False
+    """Add the neighbours' speeds, and what is near the fronts of trucks: with them HAVs collide."""
 
 
 def check_observation(observation: Observation) -> None:
@@ -89,7 +89,8 @@ def check_observation(observation: Observation) -> None:
 
 def settle(observation: Observation, num_havs: int) -> Observation:
     """Return the observation with no more neighbours than there are."""
-    return observation._replace(neighbors=min(observation.neighbors, num_havs - 1))
+    neighbors = min(observation.neighbors, num_havs - 1)
+    return observation._replace(neighbors=neighbors) if neighbors > 0 else Observation(neighbors=0)
 
 
 def name_columns(observation: Observation, max_trailers: int) -> tuple[str, ...]:
@@ -99,8 +100,8 @@ def name_columns(observation: Observation, max_trailers: int) -> tuple[str, ...]
     names = [*OWN, *(f"length_{unit}" for unit in range(max_trailers + 1)), *bends]
     for k in range(observation.neighbors):
         chain = [*(f"length_{j}" for j in joints), *bends] if observation.chains else []
-        gaps = GAPS if observation.gaps else ()
-        names += [f"neighbor_{k}_{name}" for name in (*NEIGHBOR, *chain, *gaps)]
+        fronts = FRONTS if observation.fronts else ()
+        names += [f"neighbor_{k}_{name}" for name in (*NEIGHBOR, *chain, *fronts)]
     return tuple(names)
 
 

@@ -7,6 +7,7 @@ from hav_env.geometry import clip
 from hav_env.observation.layout import (
     CHAIN,
     CLEARANCE,
+    FRONTS,
     NEAREST,
     OTHER_FOOTPRINT,
     PLACE,
@@ -22,9 +23,10 @@ from hav_env.observation.layout import (
 )
 from hav_env.sensing import (
     neighbor_articulation,
+    neighbor_before_front,
     neighbor_distance,
     neighbor_footprint,
-    neighbor_gap,
+    neighbor_front_gap,
     neighbor_heading_direction,
     neighbor_length,
     neighbor_nearest_point,
@@ -44,8 +46,8 @@ def observe_neighbors(observation, world, agent, columns):
     roots and logarithms is then worked out for all lanes at once.
     """
     joints = world.state.heading.shape[1] - 1
-    gaps = CHAIN + (3 * joints if observation.chains else 0)
-    size = gaps + (2 if observation.gaps else 0)
+    fronts = CHAIN + (3 * joints if observation.chains else 0)
+    size = fronts + (len(FRONTS) if observation.fronts else 0)
     first = UNITS + 1 + 3 * joints
     for number in range(first, first + size * observation.neighbors):
         column = fixed(number)
@@ -59,11 +61,8 @@ def observe_neighbors(observation, world, agent, columns):
             _look_at_neighbor(world, agent, nearest, least, columns, column, lane)
             if observation.chains:
                 _observe_chain(world, agent, nearest, columns, column + CHAIN, lane)
-            if observation.gaps:
-                speed = neighbor_speed(world, agent, nearest, lane)
-                gap = neighbor_gap(world, agent, nearest, lane)
-                columns[column + gaps, lane] = min(speed * (1.0 / SPEED_UNIT), 1.0)
-                columns[column + gaps + 1, lane] = scale_distance(gap)
+            if observation.fronts:
+                _observe_fronts(world, agent, nearest, columns, column + fronts, lane)
     for rank in range(observation.neighbors):
         _scale_neighbor(world, columns, fixed(first + size * rank))
 
@@ -134,3 +133,11 @@ def _observe_chain(world, agent, k, columns, column, lane):
         columns[place, lane] = scale_length(neighbor_length(world, agent, k, joint, lane))
         columns[place + joints, lane] = clip(cosine, -1.0, 1.0)
         columns[place + 2 * joints, lane] = clip(sine, -1.0, 1.0)
+
+
+@kernel
+def _observe_fronts(world, agent, k, columns, column, lane):
+    forward, left = neighbor_before_front(world, agent, k, lane)
+    write_place(columns, column, lane, forward, left)
+    columns[column + 3, lane] = min(neighbor_speed(world, agent, k, lane) * (1.0 / SPEED_UNIT), 1.0)
+    columns[column + 4, lane] = scale_distance(neighbor_front_gap(world, agent, k, lane))
