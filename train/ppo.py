@@ -20,6 +20,7 @@ import time
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import rich.progress
 import torch
 from rich.console import Console
@@ -32,7 +33,7 @@ from baselines.evaluate import figures_of, measure
 from baselines.files import whole_file, write_text
 from baselines.network import Network
 from baselines.options import take_option
-from baselines.policy_files import save_policy
+from baselines.policy_files import load_trained, save_policy
 from baselines.rollout import rollout
 from hav_env import Observation, Reward, Task
 from hav_env.command_line import parse_options
@@ -42,8 +43,9 @@ from train.export import network_of
 from train.runs import begin_run, read_run, versions
 from train.sb3_env import HAVVecEnv
 
-HELD_OUT = 0  # the seed of the episodes that policies are scored on: never trained on
-TRAINING = 1_000_000  # the first seed of episodes to train on
+# seeds of episodes: those that the best policy is scored on at the end, those that it is chosen by,
+# and the first of those to train on
+SCORED, HELD_OUT, TRAINING = 0, 1, 1_000_000
 CHECKPOINT = "checkpoint.pt"
 CURRICULUM, OBSERVATION = Curriculum(), Observation(neighbors=1, fronts=True)
 REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-1.0, time=-0.05)
@@ -96,6 +98,8 @@ class Arguments:
     """Decisions between evaluations."""
     evaluation_episodes: int = 500
     """Held-out episodes of an evaluation."""
+    scored_episodes: int = 4_500
+    """Episodes that the best policy is scored on at the end: others, used for nothing else."""
     checkpoint_every: int = 2_000_000
     """Decisions between checkpoints."""
     threads: int = 1
@@ -114,6 +118,7 @@ PRESETS = {
         max_steps=500,
         evaluate_every=10_000,
         evaluation_episodes=20,
+        scored_episodes=20,
         checkpoint_every=10_000,
     ),
 }
@@ -185,10 +190,7 @@ class Run:
     def evaluate(self, episodes: int) -> dict[str, float]:
         """Return the evaluator's figures of the policy on the first of the held-out episodes."""
         scenario = scenario_of(self.arguments.scenario)
-        table = rollout(
-            self.policy(), scenario, HELD_OUT, np.arange(episodes), threads=self.arguments.threads
-        )
-        return {figure.name: measure(table, figure).value for figure in figures_of(table)}
+        return figures(rollout(self.policy(), scenario, HELD_OUT, np.arange(episodes)))
 
     def save(self, name: str) -> None:
         """Write the policy to the run's folder."""
@@ -255,10 +257,28 @@ class Run:
             learner.learn(left, callback=between, reset_num_timesteps=False)
 
 
-def score(figures: dict[str, float]) -> float:
+def conclude(arguments: Arguments) -> dict[str, float]:
+    """Score the best policy on episodes that nothing was chosen by; write it into its file."""
+    path, episodes = arguments.output / "best.policy", arguments.scored_episodes
+    policy, about = load_trained(path)
+    table = rollout(policy, scenario_of(arguments.scenario), SCORED, np.arange(episodes))
+    found = figures(table)
+    first = table.select(["episode", "hav", "path_length", "largest_articulation"]).slice(0, 4)
+    told = {"seed": SCORED, "episodes": episodes, "figures": found, "first": first.to_pylist()}
+    save_policy(policy, path, about | {"evaluation": told})
+    return found
+
+
+def figures(table: pa.Table) -> dict[str, float]:
+    """Return the evaluator's figures of a table; those that it lacks are left out."""
+    values = {figure.name: measure(table, figure).value for figure in figures_of(table)}
+    return {name: value for name, value in values.items() if np.isfinite(value)}
+
+
+def score(found: dict[str, float]) -> float:
     """Return by which number the best policy is chosen: goals, less what went wrong, twice."""
-    goals = [value for name, value in figures.items() if name.endswith(" hit")]
-    harm = figures["jackknifed"] + figures.get("actual collision", 0.0)
+    goals = [value for name, value in found.items() if name.endswith(" hit")]
+    harm = found["jackknifed"] + found.get("actual collision", 0.0)
     return float(np.mean(goals)) - 2.0 * harm
 
 
@@ -331,12 +351,12 @@ class Between(BaseCallback):
     def _evaluate(self) -> None:
         """Score the policy on the held-out episodes, keep it, and keep it as the best if it is."""
         run = self.run
-        figures = run.evaluate(run.arguments.evaluation_episodes)
-        for name, value in figures.items():
+        found = run.evaluate(run.arguments.evaluation_episodes)
+        for name, value in found.items():
             self.logger.record(f"held_out/{name.replace(' / ', '_per_').replace(' ', '_')}", value)
         best = max((row["score"] for row in run.curve), default=-np.inf)
-        row = {"decisions": self.num_timesteps, "hours": run.seconds / 3_600, **figures}
-        run.curve.append(row | {"score": score(figures)})
+        row = {"decisions": self.num_timesteps, "hours": run.seconds / 3_600, **found}
+        run.curve.append(row | {"score": score(found)})
         write_text(json.dumps(run.curve, indent=1) + "\n", run.arguments.output / "curve.json")
         run.save("last.policy")
         if run.curve[-1]["score"] > best:
@@ -374,9 +394,8 @@ def check_arguments(arguments: Arguments) -> None:
     """
     check_curriculum(arguments.curriculum)
     least = 1
-    for name in ("decisions", "worlds", "rollout_decisions", "batch_size", "epochs", "threads",
-                 "evaluate_every", "evaluation_episodes", "checkpoint_every"):  # fmt: skip
-        if getattr(arguments, name) < least:
+    for name, kind in Arguments.__annotations__.items():
+        if kind is int and name != "seed" and getattr(arguments, name) < least:
             raise ValueError(f"{name} is {getattr(arguments, name)}, but must be at least {least}")
     if not arguments.layers or min(arguments.layers) < 1:
         raise ValueError(f"layers is {arguments.layers}, but must name at least one unit each")
@@ -421,14 +440,14 @@ def main(words: list[str] | None = None) -> int:
         else:
             begin_run(arguments.output, plain(arguments))
         run.learn()
+        found = conclude(arguments)
     except (ValueError, TypeError, OSError) as error:
         print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("interrupted: --resume FOLDER goes on from the last checkpoint", file=sys.stderr)
         return 130
-    last = run.curve[-1]
-    print(", ".join(f"{name} {value:.4g}" for name, value in last.items()))
+    print(", ".join(f"{name} {value:.4g}" for name, value in found.items()))
     print(f"policy: {os.path.join(arguments.output, 'best.policy')}")
     return 0
 
