@@ -56,6 +56,17 @@ def pack_layers(layers: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray
     return np.array(sizes, np.int64), np.concatenate(packed).astype(np.float64)
 
 
+def unpack_layers(policy: Network) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the weights (outputs, inputs) and the biases (outputs,) of each layer."""
+    layers, first = [], 0
+    for inputs, outputs in zip(policy.sizes[:-1], policy.sizes[1:], strict=True):
+        biases = first + inputs * outputs
+        weights = policy.weights[first:biases].reshape(outputs, inputs)
+        layers.append((weights.copy(), policy.weights[biases : biases + outputs].copy()))
+        first = biases + outputs
+    return layers
+
+
 @memory_size.register
 def _(policy: Network) -> int:
     return _COLUMNS + int(policy.sizes[0]) + 2 * int(max(policy.sizes[1:]))

@@ -1,21 +1,26 @@
-"""A progress bar for experiments, with their rate and the rate of HAV-steps."""
+"""A progress bar for long runs, with their rate and the time that is left."""
 
 import rich.progress
 from rich.console import Console
 
 
+def new_bar(what: str) -> rich.progress.Progress:
+    """Return a bar over a number of things, drawn on standard error; ``rate`` is a field of it."""
+    return rich.progress.Progress(
+        rich.progress.TextColumn(f"{{task.completed:,}}/{{task.total:,}} {what}"),
+        rich.progress.BarColumn(),
+        rich.progress.TextColumn("{task.fields[rate]}"),
+        rich.progress.TimeElapsedColumn(),
+        rich.progress.TimeRemainingColumn(),
+        console=Console(stderr=True),
+    )
+
+
 class Progress:
-    """A bar over a number of experiments, as a context manager; drawn on standard error."""
+    """A bar over a number of experiments, as a context manager."""
 
     def __init__(self, num_experiments: int) -> None:
-        self._bar = rich.progress.Progress(
-            rich.progress.TextColumn("{task.completed:,}/{task.total:,} experiments"),
-            rich.progress.BarColumn(),
-            rich.progress.TextColumn("{task.fields[rate]}"),
-            rich.progress.TimeElapsedColumn(),
-            rich.progress.TimeRemainingColumn(),
-            console=Console(stderr=True),
-        )
+        self._bar = new_bar("experiments")
         self._task = self._bar.add_task("", total=num_experiments, rate="")
         self._steps = self._experiments = 0
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import budget
+from conftest import budget, wrapped
 from shapely import LineString, Point, shortest_line
 
 from hav_env import Observation, Task, parallel_env
@@ -81,6 +81,12 @@ class Witness:
             columns[f"articulation_sine_{joint}"] = bend.imag
         return columns
 
+    def largest_bend(self, agent):
+        """Return the articulation that is farthest from zero, at most its limit [rad]."""
+        bends = wrapped(np.diff(self.headings(agent)))
+        limit = self.fleet.limit[agent, ARTICULATION, self.w]
+        return float(np.clip(bends[np.argmax(np.abs(bends))], -limit, limit))
+
     def drivable(self, agent):
         """Return the larger of R_min and the radius at which the wheels are fully turned [m]."""
         truck, steepest = self.lengths(agent)[0], self.fleet.limit[agent, STEERING, self.w]
@@ -107,6 +113,7 @@ class Witness:
             "stable_radius": scaled(math.hypot(*self.lengths(agent))),
             "drivable_steering": self.steering_along(agent, self.drivable(agent)),
             "footprint_radius": scaled(self.footprint(agent)),
+            "largest_articulation": self.largest_bend(agent) / limit[ARTICULATION],
             **polar("goal", goal),
             **angle("goal_heading", away),
             **polar("approach", approach),

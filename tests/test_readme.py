@@ -16,7 +16,7 @@ WATCH = re.findall(r"^python -m baselines (watch .*)$", README, re.MULTILINE)
 
 def test_the_python_example_runs(capsys):
     exec(compile(BLOCKS[0], "README.md", "exec"), {})
-    assert capsys.readouterr().out == "(1024, 2, 64) 8\n"
+    assert capsys.readouterr().out == "(1024, 2, 68) 8\n"
 
 
 @pytest.mark.parametrize("command", EVALUATE)

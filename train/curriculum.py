@@ -12,11 +12,11 @@ class Curriculum(NamedTuple):
     collision costs more than all the goals that they have not found yet.
     """
 
-    share: float = 0.25
+    share: float = 0.5
     """Of the weights of harm, at the beginning; 1 for no curriculum."""
-    begin: float = 0.2
+    begin: float = 0.1
     """Part of the training after which harm begins to weigh more ..."""
-    end: float = 0.6
+    end: float = 0.5
     """... and from which on it has its full weight."""
 
 

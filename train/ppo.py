@@ -1,7 +1,7 @@
 """Proximal policy optimization with one policy for all HAVs: ``python -m train.ppo --preset pair``.
 
-Read from top to bottom: the arguments, the presets, the learner, what happens between its
-iterations (log, evaluate, checkpoint), the command line. The folder of a run holds
+Read from top to bottom: the arguments, the presets, the worlds, the learner, a run of it, the
+command line. What happens between iterations is in train/between.py. The folder of a run holds
 
 * ``run.json``: arguments, versions, git revision;
 * ``best.policy``: the policy that did best on the held-out episodes, ``last.policy``: the latest;
@@ -11,41 +11,33 @@ iterations (log, evaluate, checkpoint), the command line. The folder of a run ho
 """
 
 import dataclasses
-import json
 import logging
-import os
 import pathlib
 import sys
-import time
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import rich.progress
 import torch
-from rich.console import Console
 from stable_baselines3 import PPO
-from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import VecNormalize
 
-from baselines.evaluate import figures_of, measure
-from baselines.files import whole_file, write_text
 from baselines.network import Network
 from baselines.options import take_option
-from baselines.policy_files import load_trained, save_policy
-from baselines.rollout import rollout
+from baselines.policy_files import save_policy
+from baselines.registry import find_policy
 from hav_env import Observation, Reward, Task
 from hav_env.command_line import parse_options
 from hav_env.scenarios.presets import scenario_of
-from train.curriculum import Curriculum, check_curriculum, lengthen, reward_at
+from train.between import Between
+from train.checkpoints import read_checkpoint, write_checkpoint
+from train.curriculum import Curriculum, check_curriculum, lengthen
 from train.export import network_of
-from train.runs import begin_run, read_run, versions
+from train.runs import begin_run, plain, read_run, restore, versions
 from train.sb3_env import HAVVecEnv
+from train.scores import TRAINING, conclude
+from train.warm_start import start_from
 
-# seeds of episodes: those that the best policy is scored on at the end, those that it is chosen by,
-# and the first of those to train on
-SCORED, HELD_OUT, TRAINING = 0, 1, 1_000_000
 CHECKPOINT = "checkpoint.pt"
 CURRICULUM, OBSERVATION = Curriculum(), Observation(neighbors=1, fronts=True)
 REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-1.0, time=-0.05)
@@ -61,6 +53,9 @@ class Arguments:
     """Folder of the run."""
     seed: int = 0
     """The same seed gives the same weights, on the same machine with the same versions."""
+    begin_with: str = ""
+    """A trained policy to begin with, by name or file; what it does not observe is ignored at
+    first."""
     decisions: int = 60_000_000
     """For how long to learn: actions of all HAVs together."""
     worlds: int = 512
@@ -174,7 +169,12 @@ class Run:
         self.process = worlds.process
         self.env = VecNormalize(worlds, gamma=arguments.discount)
         self.learner = make_learner(arguments, self.env)
-        self.env.seed(TRAINING + arguments.seed * arguments.worlds)
+        first = TRAINING + arguments.seed * arguments.worlds
+        self.env.seed(first)
+        if arguments.begin_with:
+            begun = find_policy(arguments.begin_with)()
+            start_from(begun, self.learner, self.env, self.process)
+            self.env.seed(first)  # once more: the beginning of episodes was looked at
         self.curve: list[dict[str, float]] = []
         self.seconds = 0.0  # of learning, over all sittings
 
@@ -186,11 +186,6 @@ class Run:
         seen: Any = self.env.obs_rms
         variance = seen.var + self.env.epsilon
         return network_of(layers, self.process, seen.mean, variance, self.env.clip_obs)
-
-    def evaluate(self, episodes: int) -> dict[str, float]:
-        """Return the evaluator's figures of the policy on the first of the held-out episodes."""
-        scenario = scenario_of(self.arguments.scenario)
-        return figures(rollout(self.policy(), scenario, HELD_OUT, np.arange(episodes)))
 
     def save(self, name: str) -> None:
         """Write the policy to the run's folder."""
@@ -205,46 +200,20 @@ class Run:
         save_policy(self.policy(), self.arguments.output / name, about)
 
     def write_checkpoint(self) -> None:
-        """Write down everything that changes: learner, normalizer, worlds, random numbers."""
-        learner, env = self.learner, self.env
-        state = {
-            "policy": learner.policy.state_dict(),
-            "optimizer": learner.policy.optimizer.state_dict(),
-            "decisions": learner.num_timesteps,
-            "updates": learner._n_updates,
-            "observation": learner._last_obs,
-            "starts": learner._last_episode_starts,
-            "normalizer": (env.obs_rms, env.ret_rms, env.returns),
-            "worlds": env.unwrapped,
-            "torch": torch.get_rng_state(),
-            "numpy": np.random.get_state(),  # noqa: NPY002 (SB3 shuffles with it)
-            "curve": self.curve,
-            "seconds": self.seconds,
-        }
-        with whole_file(self.arguments.output / CHECKPOINT) as unfinished:
-            torch.save(state, unfinished)
+        """Write down where it is."""
+        path, more = self.arguments.output / CHECKPOINT, (self.curve, self.seconds)
+        write_checkpoint(path, self.learner, self.env, more)
 
-    def read_checkpoint(self) -> None:
+    def go_on(self) -> None:
         """Go back to where the checkpoint was written.
 
         Raises:
             ValueError: when it is broken, or was written by another version.
         """
-        path, learner, env = self.arguments.output / CHECKPOINT, self.learner, self.env
-        try:
-            state = torch.load(path, weights_only=False)
-            learner.policy.load_state_dict(state["policy"])
-            learner.policy.optimizer.load_state_dict(state["optimizer"])
-            learner.num_timesteps, learner._n_updates = state["decisions"], state["updates"]
-            learner._last_obs, learner._last_episode_starts = state["observation"], state["starts"]
-            env.obs_rms, env.ret_rms, env.returns = state["normalizer"]
-            env.venv = state["worlds"]
-            self.process = state["worlds"].process
-            torch.set_rng_state(state["torch"])
-            np.random.set_state(state["numpy"])  # noqa: NPY002
-            self.curve, self.seconds = state["curve"], state["seconds"]
-        except Exception as error:  # a broken pickle can raise anything
-            raise ValueError(f"cannot go on from {path}: {error!r}") from None
+        path = self.arguments.output / CHECKPOINT
+        self.curve, self.seconds = read_checkpoint(path, self.learner, self.env)
+        worlds: Any = self.env.unwrapped
+        self.process = worlds.process
 
     def learn(self) -> None:
         """Learn until the end, from wherever it is."""
@@ -255,135 +224,6 @@ class Run:
         learner.set_logger(configure(str(arguments.output), ["tensorboard"]))
         with Between(self) as between:
             learner.learn(left, callback=between, reset_num_timesteps=False)
-
-
-def conclude(arguments: Arguments) -> dict[str, float]:
-    """Score the best policy on episodes that nothing was chosen by; write it into its file."""
-    path, episodes = arguments.output / "best.policy", arguments.scored_episodes
-    policy, about = load_trained(path)
-    table = rollout(policy, scenario_of(arguments.scenario), SCORED, np.arange(episodes))
-    found = figures(table)
-    first = table.select(["episode", "hav", "path_length", "largest_articulation"]).slice(0, 4)
-    told = {"seed": SCORED, "episodes": episodes, "figures": found, "first": first.to_pylist()}
-    save_policy(policy, path, about | {"evaluation": told})
-    return found
-
-
-def figures(table: pa.Table) -> dict[str, float]:
-    """Return the evaluator's figures of a table; those that it lacks are left out."""
-    values = {figure.name: measure(table, figure).value for figure in figures_of(table)}
-    return {name: value for name, value in values.items() if np.isfinite(value)}
-
-
-def score(found: dict[str, float]) -> float:
-    """Return by which number the best policy is chosen: goals, less what went wrong, twice."""
-    goals = [value for name, value in found.items() if name.endswith(" hit")]
-    harm = found["jackknifed"] + found.get("actual collision", 0.0)
-    return float(np.mean(goals)) - 2.0 * harm
-
-
-class Between(BaseCallback):
-    """What happens between iterations: the log, the bar, evaluations and checkpoints."""
-
-    def __init__(self, run: Run) -> None:
-        super().__init__()
-        self.run = run
-        self.begun, self.spent = time.monotonic(), run.seconds
-        self.first = run.learner.num_timesteps
-        self.ended: list[dict[str, Any]] = []  # infos of episodes since the last log
-        self.bar = rich.progress.Progress(
-            rich.progress.TextColumn("{task.completed:,}/{task.total:,} decisions"),
-            rich.progress.BarColumn(),
-            rich.progress.TextColumn("{task.fields[told]}"),
-            rich.progress.TimeElapsedColumn(),
-            rich.progress.TimeRemainingColumn(),
-            console=Console(stderr=True),
-        )
-        total = run.arguments.decisions
-        self.task = self.bar.add_task("", total=total, completed=self.first, told="")
-
-    def __enter__(self) -> "Between":
-        self.bar.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.bar.stop()
-
-    def _on_step(self) -> bool:
-        infos = self.locals["infos"]
-        self.ended += [infos[row] for row in np.flatnonzero(self.locals["dones"])]
-        return True
-
-    def _on_rollout_start(self) -> None:
-        """Log, evaluate, write the checkpoint: after an update, before the next rollout."""
-        run, done = self.run, self.num_timesteps
-        arguments = run.arguments
-        progress = done / arguments.decisions
-        run.process.set_reward(reward_at(arguments.curriculum, arguments.reward, progress))
-        run.seconds = self.spent + time.monotonic() - self.begun
-        self._log()
-        each = arguments.worlds * run.process.num_havs * arguments.rollout_decisions
-        if done > self.first:
-            if done % arguments.evaluate_every < each:
-                self._evaluate()
-            if done % arguments.checkpoint_every < each:
-                run.write_checkpoint()
-        rate = (done - self.first) / max(time.monotonic() - self.begun, 1e-9)
-        last = run.curve[-1] if run.curve else {}
-        told = f"{rate:,.0f}/s" + "".join(
-            f", {name} {100 * last[name]:.1f} %" for name in ("goal 1 hit", "goal 2 hit") if last
-        )
-        self.bar.update(self.task, completed=done, told=told)
-
-    def _on_training_end(self) -> None:
-        self.run.seconds = self.spent + time.monotonic() - self.begun
-        self._evaluate()
-        self.run.write_checkpoint()
-
-    def _log(self) -> None:
-        """Record the means of what episodes came to: every term of the reward, every event."""
-        ended, self.ended = self.ended, []
-        for name in ended[0] if ended else ():
-            if isinstance(ended[0][name], float) and name not in ("seed", "episode_number"):
-                self.logger.record(f"episodes/{name}", np.mean([info[name] for info in ended]))
-        self.logger.record("episodes/count", len(ended))
-
-    def _evaluate(self) -> None:
-        """Score the policy on the held-out episodes, keep it, and keep it as the best if it is."""
-        run = self.run
-        found = run.evaluate(run.arguments.evaluation_episodes)
-        for name, value in found.items():
-            self.logger.record(f"held_out/{name.replace(' / ', '_per_').replace(' ', '_')}", value)
-        best = max((row["score"] for row in run.curve), default=-np.inf)
-        row = {"decisions": self.num_timesteps, "hours": run.seconds / 3_600, **found}
-        run.curve.append(row | {"score": score(found)})
-        write_text(json.dumps(run.curve, indent=1) + "\n", run.arguments.output / "curve.json")
-        run.save("last.policy")
-        if run.curve[-1]["score"] > best:
-            run.save("best.policy")
-
-
-def plain(arguments: Arguments) -> dict[str, Any]:
-    """Return arguments as JSON knows them."""
-    told = dataclasses.asdict(arguments)
-    return told | {
-        "output": str(arguments.output),
-        "observation": arguments.observation._asdict(),
-        "reward": arguments.reward._asdict(),
-        "curriculum": arguments.curriculum._asdict(),
-    }
-
-
-def arguments_of(told: dict[str, Any]) -> Arguments:
-    """Return the arguments that ``plain`` has written down."""
-    changed = {
-        "output": pathlib.Path(told["output"]),
-        "layers": tuple(told["layers"]),
-        "observation": Observation(**told["observation"]),
-        "reward": Reward(**told["reward"]),
-        "curriculum": Curriculum(**told["curriculum"]),
-    }
-    return Arguments(**(told | changed))
 
 
 def check_arguments(arguments: Arguments) -> None:
@@ -418,7 +258,7 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
         if words:
             raise ValueError(f"--resume goes on as the run began, and knows no {words[0]}")
         folder = pathlib.Path(resumed)
-        told = arguments_of(read_run(folder, CHECKPOINT))
+        told = restore(Arguments, read_run(folder, CHECKPOINT))
         return dataclasses.replace(told, output=folder), True
     preset, words = take_option(words, "--preset", "single")
     if preset not in PRESETS:
@@ -436,11 +276,12 @@ def main(words: list[str] | None = None) -> int:
         check_arguments(arguments)
         run = Run(arguments)
         if resumed:
-            run.read_checkpoint()
+            run.go_on()
         else:
             begin_run(arguments.output, plain(arguments))
         run.learn()
-        found = conclude(arguments)
+        best = arguments.output / "best.policy"
+        found = conclude(best, arguments.scenario, arguments.scored_episodes)
     except (ValueError, TypeError, OSError) as error:
         print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
@@ -448,7 +289,7 @@ def main(words: list[str] | None = None) -> int:
         print("interrupted: --resume FOLDER goes on from the last checkpoint", file=sys.stderr)
         return 130
     print(", ".join(f"{name} {value:.4g}" for name, value in found.items()))
-    print(f"policy: {os.path.join(arguments.output, 'best.policy')}")
+    print(f"policy: {best}")
     return 0
 
 

@@ -6,12 +6,13 @@ import os
 import pathlib
 import platform
 import subprocess
-from typing import Any
+from typing import Any, TypeVar
 
 import hav_env
 from baselines.files import write_text
 
 DESCRIPTION = "run.json"
+Arguments = TypeVar("Arguments")
 _PACKAGES = ("gymnasium", "numba", "numpy", "pettingzoo", "ray", "stable-baselines3", "torch")
 
 
@@ -50,6 +51,35 @@ def read_run(folder: pathlib.Path, needed: str) -> dict[str, Any]:
         return json.loads(description.read_text())["arguments"]
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{description} is broken: {error}") from None
+
+
+def plain(arguments: Any) -> dict[str, Any]:
+    """Return a dataclass of arguments as JSON knows them."""
+
+    def told(value: Any) -> Any:
+        if hasattr(value, "_asdict"):
+            return value._asdict()
+        return str(value) if isinstance(value, pathlib.Path) else value
+
+    return {name: told(value) for name, value in vars(arguments).items()}
+
+
+def restore(arguments_class: type[Arguments], told: dict[str, Any]) -> Arguments:
+    """Return the arguments that ``plain`` has written down.
+
+    Raises:
+        ValueError: when they are not arguments of this class.
+    """
+    usual = arguments_class()
+
+    def read(name: str, value: Any) -> Any:
+        kind = type(getattr(usual, name))
+        return kind(**value) if isinstance(value, dict) else kind(value)
+
+    try:
+        return arguments_class(**{name: read(name, value) for name, value in told.items()})
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ValueError(f"these are no arguments of this version: {error}") from None
 
 
 def versions() -> dict[str, Any]:

@@ -3,6 +3,7 @@
 import math
 
 from hav_env.compiled import fixed, kernel
+from hav_env.elementary import atan2
 from hav_env.geometry import clip
 from hav_env.observation.layout import (
     APPROACH,
@@ -12,6 +13,7 @@ from hav_env.observation.layout import (
     GOAL,
     GOAL_HEADING,
     GOALS_LEFT,
+    LARGEST,
     SPEED_MAX,
     SPEED_UNIT,
     STABLE,
@@ -51,6 +53,7 @@ def observe_itself(world, agent, columns):
         columns[STEERING_MAX, lane] = steering * (2.0 / math.pi)
         columns[ARTICULATION_MAX, lane] = articulation * (1.0 / math.pi)
     for lane in range(world.lanes):
+        columns[LARGEST, lane] = 0.0
         columns[STABLE, lane] = scale_distance(stable_radius(world, agent, lane))
         steepest = steering_along(world, agent, drivable_radius(world, agent, lane), lane)
         columns[DRIVABLE, lane] = steepest
@@ -74,5 +77,8 @@ def observe_itself(world, agent, columns):
         for lane in range(world.lanes):
             present = joint <= num_trailers(world, agent, lane)
             cosine, sine = articulation_direction(world, agent, joint, lane)
+            bend = atan2(sine, cosine) / limits(world, agent, lane)[2] if present else 0.0
+            larger = abs(bend) > abs(columns[LARGEST, lane])
+            columns[LARGEST, lane] = clip(bend, -1.0, 1.0) if larger else columns[LARGEST, lane]
             columns[cosines, lane] = clip(cosine, -1.0, 1.0) if present else 0.0
             columns[sines, lane] = clip(sine, -1.0, 1.0) if present else 0.0

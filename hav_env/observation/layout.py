@@ -22,6 +22,7 @@ OWN = (
     "stable_radius",
     "drivable_steering",
     "footprint_radius",
+    "largest_articulation",
     "goal_distance",
     "goal_bearing_cosine",
     "goal_bearing_sine",
@@ -39,8 +40,9 @@ OWN = (
     "approach_path_whole",
     "approach_path_steering",
 )
-WAITS, GOALS_LEFT, SPEED_MAX, STEERING_MAX, ARTICULATION_MAX, STABLE, DRIVABLE, FOOTPRINT = range(8)
-GOAL, GOAL_HEADING, APPROACH, PATHS, UNITS = 8, 11, 13, 16, 24  # where each group begins
+WAITS, GOALS_LEFT, SPEED_MAX, STEERING_MAX, ARTICULATION_MAX = range(5)
+STABLE, DRIVABLE, FOOTPRINT, LARGEST = range(5, 9)
+GOAL, GOAL_HEADING, APPROACH, PATHS, UNITS = 9, 12, 14, 17, 25  # where each group begins
 NEIGHBOR = (
     "present",
     "distance",

@@ -1,0 +1,46 @@
+"""What a policy that learns is scored on, and by which number the best one is chosen."""
+
+import pathlib
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from baselines.evaluate import figures_of, measure
+from baselines.network import Network
+from baselines.policy_files import load_trained, save_policy
+from baselines.rollout import rollout
+from hav_env.scenarios.presets import scenario_of
+
+# seeds of episodes: those that the best policy is scored on at the end, those that it is chosen by,
+# and the first of those to train on
+SCORED, HELD_OUT, TRAINING = 0, 1, 1_000_000
+
+
+def evaluate(policy: Network, scenario: Any, episodes: int) -> dict[str, float]:
+    """Return the evaluator's figures of a policy on the first of the held-out episodes."""
+    return _figures(rollout(policy, scenario_of(scenario), HELD_OUT, np.arange(episodes)))
+
+
+def score(figures: dict[str, float]) -> float:
+    """Return by which number the best policy is chosen: goals, less what went wrong, twice."""
+    goals = [value for name, value in figures.items() if name.endswith(" hit")]
+    harm = figures["jackknifed"] + figures.get("actual collision", 0.0)
+    return float(np.mean(goals)) - 2.0 * harm
+
+
+def conclude(path: pathlib.Path, scenario: Any, episodes: int) -> dict[str, float]:
+    """Score a policy on episodes that nothing was chosen by; write the figures into its file."""
+    policy, about = load_trained(path)
+    table = rollout(policy, scenario_of(scenario), SCORED, np.arange(episodes))
+    figures = _figures(table)
+    first = table.select(["episode", "hav", "path_length", "largest_articulation"]).slice(0, 4)
+    told = {"seed": SCORED, "episodes": episodes, "figures": figures, "first": first.to_pylist()}
+    save_policy(policy, path, about | {"evaluation": told})
+    return figures
+
+
+def _figures(table: pa.Table) -> dict[str, float]:
+    """Return the figures of a table; those without a value are left out."""
+    values = {figure.name: measure(table, figure).value for figure in figures_of(table)}
+    return {name: value for name, value in values.items() if np.isfinite(value)}
