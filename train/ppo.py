@@ -75,6 +75,12 @@ class Arguments:
     """Weight of the entropy bonus."""
     deviation: float = 0.4
     """Standard deviation of actions at the beginning."""
+    hold_noise: int = 0
+    """For how many actions the noise that explores is the same function of the state (gSDE, Raffin
+    et al. 2021): so HAVs try to wait for a while, not for an instant. 0 for independent noise."""
+    reward_limit: float = 100.0
+    """To which rewards are cut once they are normalized; Stable-Baselines3's 10 makes accidents
+    cheap."""
     layers: tuple[int, ...] = (64, 64)
     """Units of the hidden layers, of the policy and of the value."""
     frame_skip: int = 5
@@ -149,6 +155,8 @@ def make_learner(arguments: Arguments, env: VecNormalize) -> PPO:
             "net_arch": list(arguments.layers),
             "log_std_init": float(np.log(arguments.deviation)),
         },
+        use_sde=arguments.hold_noise > 0,
+        sde_sample_freq=max(arguments.hold_noise, 1),
         seed=arguments.seed,
         device="cpu",
     )
@@ -167,7 +175,9 @@ class Run:
         self.arguments = arguments
         worlds = make_worlds(arguments)
         self.process = worlds.process
-        self.env = VecNormalize(worlds, gamma=arguments.discount)
+        self.env = VecNormalize(
+            worlds, gamma=arguments.discount, clip_reward=arguments.reward_limit
+        )
         self.learner = make_learner(arguments, self.env)
         first = TRAINING + arguments.seed * arguments.worlds
         self.env.seed(first)
@@ -235,11 +245,13 @@ def check_arguments(arguments: Arguments) -> None:
     check_curriculum(arguments.curriculum)
     least = 1
     for name, kind in Arguments.__annotations__.items():
-        if kind is int and name != "seed" and getattr(arguments, name) < least:
+        if kind is int and name not in ("seed", "hold_noise") and getattr(arguments, name) < least:
             raise ValueError(f"{name} is {getattr(arguments, name)}, but must be at least {least}")
     if not arguments.layers or min(arguments.layers) < 1:
         raise ValueError(f"layers is {arguments.layers}, but must name at least one unit each")
-    for name in ("learning_rate", "deviation", "clip_range"):
+    if arguments.hold_noise < 0:
+        raise ValueError(f"hold_noise is {arguments.hold_noise}, but must not be negative")
+    for name in ("learning_rate", "deviation", "clip_range", "reward_limit"):
         if not 0 < getattr(arguments, name) < np.inf:
             raise ValueError(f"{name} is {getattr(arguments, name)}, but must be above 0")
     for name in ("discount", "gae_lambda"):
