@@ -82,6 +82,8 @@ def _(policy: Network, scenario) -> None:
             f" but the scenario offers {_say(*seen)}"
         )
     columns = len(name_columns(policy.observation, policy.max_trailers))
+    if policy.sizes.ndim != 1 or policy.sizes.size < 2 or policy.sizes.min() < 1:
+        raise ValueError(f"policy sizes is {policy.sizes}, which does not fit any layers")
     inputs, outputs = policy.sizes[:-1], policy.sizes[1:]
     expected = (columns, 2, int(np.sum(inputs * outputs + outputs)), columns, columns)
     lengths = (policy.weights.size, policy.mean.size, policy.scale.size)
