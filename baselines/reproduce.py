@@ -3,6 +3,7 @@
 import pathlib
 from typing import NamedTuple
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -117,6 +118,15 @@ def _draw(
     )
 
 
+def _show(policy) -> str:
+    """Return a policy with its parameters; of arrays only how many numbers they hold."""
+    told = [
+        f"{field}={f'{value.size} numbers' if isinstance(value, np.ndarray) else repr(value)}"
+        for field, value in policy._asdict().items()
+    ]
+    return f"{type(policy).__name__}({', '.join(told)})"
+
+
 def _report(
     policy,
     experiments: int,
@@ -129,7 +139,7 @@ def _report(
     parts = [
         f"# {name} in the paper's experiments\n",
         f"{experiments} experiments with one HAV and {experiments} with two, seed {seed}, policy"
-        f" `{policy}`.\n\n"
+        f" `{_show(policy)}`.\n\n"
         '"agree": the 95 % interval of the difference (Newcombe, from the Wilson intervals shown in'
         " brackets) contains zero.\n",
         markdown(rows),
