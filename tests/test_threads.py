@@ -1,11 +1,15 @@
 """Work on worlds is shared out: every world once, errors are heard of, several may ask at once."""
 
 import threading
+import time
+import types
 
+import numba
 import numpy as np
 import pytest
+from probes.networks import forward_worlds, random_network
 
-from hav_env.compiled import VECTOR, share_out
+from hav_env.compiled import VECTOR, entries, entry, share_out
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3, 7])
@@ -60,3 +64,31 @@ def test_several_may_share_out_at_once():
     for caller in callers:
         caller.join()
     assert (totals == 1).all()
+
+
+def test_several_may_be_the_first_to_call_an_entry(monkeypatch, tmp_path):
+    """Where compiled code is kept is a setting of all threads; without one it is this folder."""
+    monkeypatch.chdir(tmp_path)
+    network, kept_in = random_network(), []
+    loop, places = entry(forward_worlds.__wrapped__), iter(range(100))
+
+    def slow(**options):
+        time.sleep(0.1 * next(places))
+        kept_in.append(numba.config.CACHE_DIR)
+        return numba.njit(**options)
+
+    its_numba = types.SimpleNamespace(**vars(numba) | {"njit": slow})  # not the one of Numba itself
+    monkeypatch.setattr(entries, "numba", its_numba)
+    rows = np.zeros((4, 200, 8))
+    callers = [
+        threading.Thread(target=loop, args=(8, network, own), kwargs={"threads": 1}) for own in rows
+    ]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join()
+    assert kept_in
+    assert all(place != numba.config.CACHE_DIR for place in kept_in)
+    assert not list(tmp_path.iterdir())
+    assert (rows[:, :2] == rows[0, :2]).all()
+    assert (rows[:, 0] != 0.0).all()

@@ -40,7 +40,9 @@ def entry(function: Callable) -> Any:
     def call(count: int, *args: Any, threads: int | None = None) -> None:
         known = frozenset(sources)
         if known not in compiled:
-            compiled[known] = _cached(function, known)
+            with _compiling:  # where the cache is, is a setting of all threads
+                if known not in compiled:
+                    compiled[known] = _cached(function, known)
         loop = compiled[known]
         _ensure_compiled(loop, function.__name__, args)
         share_out(loop, count, args, threads or default_threads())
