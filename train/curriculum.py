@@ -52,7 +52,9 @@ def harm_share(curriculum: Curriculum, progress: float) -> float:
     """Return by which factor harm weighs when this part of the training is over, 0 to 1."""
     if progress >= curriculum.end:
         return 1.0
-    grown = max(progress - curriculum.begin, 0.0) / (curriculum.end - curriculum.begin)
+    if progress <= curriculum.begin:
+        return curriculum.share
+    grown = (progress - curriculum.begin) / (curriculum.end - curriculum.begin)
     return curriculum.share + (1.0 - curriculum.share) * grown
 
 
