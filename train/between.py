@@ -56,13 +56,15 @@ class Between(BaseCallback):
         rate = (done - self.first) / max(time.monotonic() - self.begun, 1e-9)
         last = run.curve[-1] if run.curve else {}
         told = f"{rate:,.0f}/s" + "".join(
-            f", {name} {100 * last[name]:.1f} %" for name in ("goal 1 hit", "goal 2 hit") if last
+            f", {name} {100 * last[name]:.1f} %" for name in last if name.endswith(" hit")
         )
         self.bar.update(self.task, completed=done, rate=told)
 
     def _on_training_end(self) -> None:
         self.run.seconds = self.spent + time.monotonic() - self.begun
+        self._log()
         self._evaluate()
+        self.logger.dump(self.num_timesteps)  # after the last rollout nobody else does
         self.run.write_checkpoint()
 
     def _log(self) -> None:

@@ -27,6 +27,7 @@ from baselines.options import take_option
 from baselines.policy_files import save_policy
 from baselines.registry import find_policy
 from hav_env import Observation, Reward, Task
+from hav_env.batch import check_seed
 from hav_env.command_line import parse_options
 from hav_env.scenarios.presets import scenario_of
 from train.between import Between
@@ -243,17 +244,20 @@ def check_arguments(arguments: Arguments) -> None:
         ValueError: naming the argument, its value and what is allowed.
     """
     check_curriculum(arguments.curriculum)
-    least = 1
+    check_seed(arguments.seed)
+    # of a single number there is no deviation, by which advantages are divided
+    least = {"rollout_decisions": 2, "batch_size": 2, "hold_noise": 0}
     for name, kind in Arguments.__annotations__.items():
-        if kind is int and name not in ("seed", "hold_noise") and getattr(arguments, name) < least:
-            raise ValueError(f"{name} is {getattr(arguments, name)}, but must be at least {least}")
+        if kind is int and name != "seed" and getattr(arguments, name) < least.get(name, 1):
+            value = getattr(arguments, name)
+            raise ValueError(f"{name} is {value}, but must be at least {least.get(name, 1)}")
     if not arguments.layers or min(arguments.layers) < 1:
         raise ValueError(f"layers is {arguments.layers}, but must name at least one unit each")
-    if arguments.hold_noise < 0:
-        raise ValueError(f"hold_noise is {arguments.hold_noise}, but must not be negative")
     for name in ("learning_rate", "deviation", "clip_range", "reward_limit"):
         if not 0 < getattr(arguments, name) < np.inf:
             raise ValueError(f"{name} is {getattr(arguments, name)}, but must be above 0")
+    if not 0 <= arguments.entropy < np.inf:
+        raise ValueError(f"entropy is {arguments.entropy}, but must be at least 0")
     for name in ("discount", "gae_lambda"):
         if not 0 < getattr(arguments, name) <= 1:
             raise ValueError(f"{name} is {getattr(arguments, name)}, but must be in (0, 1]")
@@ -265,10 +269,12 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
     Raises:
         ValueError: when there is no such preset, option or run.
     """
-    resumed, words = take_option(words, "--resume", "")
-    if resumed:
-        if words:
-            raise ValueError(f"--resume goes on as the run began, and knows no {words[0]}")
+    resumed, others = take_option(words, "--resume", "")
+    if len(others) < len(words):
+        if not resumed:
+            raise ValueError("--resume needs the folder of a run")
+        if others:
+            raise ValueError(f"--resume goes on as the run began, and knows no {others[0]}")
         folder = pathlib.Path(resumed)
         told = restore(Arguments, read_run(folder, CHECKPOINT))
         return dataclasses.replace(told, output=folder), True
