@@ -1,5 +1,9 @@
 """Episodes of a network are those in which it was trained, whatever runs it."""
 
+import os
+import subprocess
+import sys
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -8,6 +12,7 @@ from probes.networks import actions_of, pursuing_network, random_network
 
 from baselines.driver import PolicyDriver
 from baselines.policy import allocate_memory, decide
+from baselines.policy_files import save_policy
 from baselines.rollout import rollout
 from baselines.trajectories import record_trajectory
 from hav_env import Batch, RandomPoses, Task, find_scenario
@@ -179,6 +184,38 @@ def test_others_are_driven_as_in_a_rollout(frame_skip):
     for name in ("x", "y", "heading"):
         assert getattr(state, name)[..., 0] == pytest.approx(getattr(last, name)[-1], abs=1e-9)
     assert info["steps"] == steps
+
+
+SCRIPT = """
+import sys
+import numpy as np
+from baselines.policy_files import load_policy
+from baselines.rollout import rollout
+from hav_env import RandomPoses, Task
+
+for num_havs, episodes, steps in ((2, 3, 400), (20, 1, 30)):
+    policy, task = load_policy(sys.argv[1]), Task(max_steps=steps)
+    table = rollout(policy, RandomPoses(num_havs), 21, np.arange(episodes), task)
+    print(repr(table.to_pydict()))
+"""
+
+
+def test_compiled_code_and_pure_python_give_the_same_bits(tmp_path):
+    path = tmp_path / "chance.policy"
+    save_policy(random_network(9, (7, 5), 1), path, {})
+    command = [sys.executable, "-c", SCRIPT, str(path)]
+    told = [
+        subprocess.run(
+            command,
+            env=os.environ | {"NUMBA_DISABLE_JIT": mode, "HAV_THREADS": "1"},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for mode in "01"
+    ]
+    assert len(told[0]) > 10_000
+    assert told[0] == told[1]
 
 
 def test_what_is_recorded_is_what_a_rollout_says():
