@@ -151,10 +151,17 @@ class Witness:
         _, (x, y) = shortest_line(ours, two).coords
         frame = np.exp(-1j * self.headings(agent)[0])
         speed = 0.0 if self.state.waiting[other, self.w] else self.state.speed[other, self.w]
+        there = complex(x - ours.x, y - ours.y) * frame
+        nearness, exposed = (
+            max(0.0, 1.0 - gap / 10.0) for gap in (abs(there), theirs.distance(one))
+        )
+        direction = there / abs(there)
         return {
-            **polar("front", complex(x - ours.x, y - ours.y) * frame),
             "speed": speed / 10.0,
-            "front_gap": scaled(theirs.distance(one)),
+            "front_nearness": nearness,
+            "front_ahead": nearness * direction.real,
+            "front_aside": nearness * direction.imag,
+            "exposed_nearness": exposed,
         }
 
     def neighbor(self, agent, other, most, observation):

@@ -27,12 +27,12 @@ from baselines.options import take_option
 from baselines.policy_files import save_policy
 from baselines.registry import find_policy
 from hav_env import Observation, Reward, Task
-from hav_env.batch import check_seed
 from hav_env.command_line import parse_options
 from hav_env.scenarios.presets import scenario_of
 from train.between import Between
 from train.checkpoints import read_checkpoint, write_checkpoint
-from train.curriculum import Curriculum, check_curriculum, lengthen
+from train.checks import check_arguments
+from train.curriculum import Curriculum, lengthen
 from train.export import network_of
 from train.runs import begin_run, plain, read_run, restore, versions
 from train.sb3_env import HAVVecEnv
@@ -235,32 +235,6 @@ class Run:
         learner.set_logger(configure(str(arguments.output), ["tensorboard"]))
         with Between(self) as between:
             learner.learn(left, callback=between, reset_num_timesteps=False)
-
-
-def check_arguments(arguments: Arguments) -> None:
-    """Check what neither the environment nor the learner would name.
-
-    Raises:
-        ValueError: naming the argument, its value and what is allowed.
-    """
-    check_curriculum(arguments.curriculum)
-    check_seed(arguments.seed)
-    # of a single number there is no deviation, by which advantages are divided
-    least = {"rollout_decisions": 2, "batch_size": 2, "hold_noise": 0}
-    for name, kind in Arguments.__annotations__.items():
-        if kind is int and name != "seed" and getattr(arguments, name) < least.get(name, 1):
-            value = getattr(arguments, name)
-            raise ValueError(f"{name} is {value}, but must be at least {least.get(name, 1)}")
-    if not arguments.layers or min(arguments.layers) < 1:
-        raise ValueError(f"layers is {arguments.layers}, but must name at least one unit each")
-    for name in ("learning_rate", "deviation", "clip_range", "reward_limit"):
-        if not 0 < getattr(arguments, name) < np.inf:
-            raise ValueError(f"{name} is {getattr(arguments, name)}, but must be above 0")
-    if not 0 <= arguments.entropy < np.inf:
-        raise ValueError(f"entropy is {arguments.entropy}, but must be at least 0")
-    for name in ("discount", "gae_lambda"):
-        if not 0 < getattr(arguments, name) <= 1:
-            raise ValueError(f"{name} is {getattr(arguments, name)}, but must be in (0, 1]")
 
 
 def read_arguments(words: list[str]) -> tuple[Arguments, bool]:

@@ -9,9 +9,10 @@ from hav_env.geometry import clip
 
 LENGTH_UNIT, MOST_UNITS = 10.0, 10.0  # of the lengths of units [m]; where they are cut
 FARTHEST = 1e4  # [m], where distances are cut
+NEAR = 10.0  # [m], what is near the front of a truck
 SPEED_UNIT = 10.0  # [m/s], where speeds are cut
 _PER_LOGARITHM = 1.0 / math.log(1.0 + FARTHEST)
-_TINY = 1e-12  # [m], keeps the direction to a point at the same place finite
+TINY = 1e-12  # [m], keeps the direction to a point at the same place finite
 
 OWN = (
     "waits",
@@ -57,7 +58,7 @@ NEIGHBOR = (
     "chain_bearing_cosine",
     "chain_bearing_sine",
 )
-FRONTS = ("front_distance", "front_bearing_cosine", "front_bearing_sine", "speed", "front_gap")
+FRONTS = ("speed", "front_nearness", "front_ahead", "front_aside", "exposed_nearness")
 PRESENT, PLACE, RELATIVE_HEADING, OTHER_FOOTPRINT, CLEARANCE, TRUCK, NEAREST, CHAIN = (
     *(0, 1, 4, 6),
     *(7, 8, 9, 12),
@@ -135,7 +136,7 @@ def scale_length(length):
 def write_place(columns, column, lane, forward, left):
     """Write distance, cosine and sine of the bearing of a point [m]."""
     distance = math.sqrt(forward * forward + left * left)
-    per_distance = 1.0 / max(distance, _TINY)
+    per_distance = 1.0 / max(distance, TINY)
     columns[column, lane] = scale_distance(distance)
     write_direction(columns, column + 1, lane, forward * per_distance, left * per_distance)
 

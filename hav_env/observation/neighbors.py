@@ -8,12 +8,14 @@ from hav_env.observation.layout import (
     CHAIN,
     CLEARANCE,
     FRONTS,
+    NEAR,
     NEAREST,
     OTHER_FOOTPRINT,
     PLACE,
     PRESENT,
     RELATIVE_HEADING,
     SPEED_UNIT,
+    TINY,
     TRUCK,
     UNITS,
     scale_distance,
@@ -137,7 +139,14 @@ def _observe_chain(world, agent, k, columns, column, lane):
 
 @kernel
 def _observe_fronts(world, agent, k, columns, column, lane):
+    """Write speed and nearness: 0 from 10 m on, 1 where they touch; with it, in which direction."""
+    columns[column, lane] = min(neighbor_speed(world, agent, k, lane) * (1.0 / SPEED_UNIT), 1.0)
     forward, left = neighbor_before_front(world, agent, k, lane)
-    write_place(columns, column, lane, forward, left)
-    columns[column + 3, lane] = min(neighbor_speed(world, agent, k, lane) * (1.0 / SPEED_UNIT), 1.0)
-    columns[column + 4, lane] = scale_distance(neighbor_front_gap(world, agent, k, lane))
+    distance = math.sqrt(forward * forward + left * left)
+    nearness = max(0.0, 1.0 - distance * (1.0 / NEAR))
+    share = nearness / max(distance, TINY)
+    columns[column + 1, lane] = nearness
+    columns[column + 2, lane] = share * forward
+    columns[column + 3, lane] = share * left
+    exposed = neighbor_front_gap(world, agent, k, lane)
+    columns[column + 4, lane] = max(0.0, 1.0 - exposed * (1.0 / NEAR))
