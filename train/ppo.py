@@ -26,13 +26,13 @@ from baselines.network import Network
 from baselines.options import take_option
 from baselines.policy_files import save_policy
 from baselines.registry import find_policy
-from hav_env import Observation, Reward, Task
+from hav_env import Observation, Reward
 from hav_env.command_line import parse_options
-from hav_env.scenarios.presets import scenario_of
 from train.between import Between
 from train.checkpoints import read_checkpoint, write_checkpoint
 from train.checks import check_arguments
-from train.curriculum import Curriculum, lengthen
+from train.curriculum import Curriculum
+from train.exercise import CURRICULUM, OBSERVATION, REWARD, settings_of
 from train.export import network_of
 from train.runs import begin_run, plain, read_run, restore, versions
 from train.sb3_env import HAVVecEnv
@@ -40,8 +40,6 @@ from train.scores import TRAINING, conclude
 from train.warm_start import start_from
 
 CHECKPOINT = "checkpoint.pt"
-CURRICULUM, OBSERVATION = Curriculum(), Observation(neighbors=1, fronts=True)
-REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-1.0, time=-0.05)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -128,15 +126,7 @@ PRESETS = {
 
 def make_worlds(arguments: Arguments) -> HAVVecEnv:
     """Return the worlds to train on."""
-    return HAVVecEnv(
-        arguments.worlds,
-        scenario=lengthen(scenario_of(arguments.scenario), arguments.trailer_sigma),
-        observation=arguments.observation,
-        reward=arguments.reward,
-        frame_skip=arguments.frame_skip,
-        threads=arguments.threads,
-        task=Task(max_steps=arguments.max_steps, on_jackknife="end", on_collision="end"),
-    )
+    return HAVVecEnv(arguments.worlds, **settings_of(arguments, arguments.threads))
 
 
 def make_learner(arguments: Arguments, env: VecNormalize) -> PPO:
