@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.table import Table
 
 from baselines.calibrate import calibrate
+from baselines.engines import open_engine
 from baselines.evaluate import compare, markdown, read_columns
 from baselines.files import write_text
 from baselines.options import asks_for_help, read_options, take_option, take_words
@@ -58,6 +59,17 @@ class _Run:
     """How many; by default HAV_THREADS or all cores. Results do not depend on it."""
     overwrite: bool = False
     """Discard what an earlier run left in the folder."""
+
+
+@dataclasses.dataclass
+class _Evaluate(_Run):
+    """And where."""
+
+    engine: str = "local"
+    """What runs the episodes: local, on this machine; ray, on a Ray cluster, with --threads (1)
+    for each part of them. Results do not depend on it."""
+    address: str | None = None
+    """Of the Ray cluster, HOST:PORT or auto; by default one is started on this machine."""
 
 
 @dataclasses.dataclass
@@ -160,12 +172,13 @@ def _evaluate(arguments: list[str]) -> None:
         ("episodes", int, 1_000 if drawn else 1, "Episodes 0 .. of the seed."),
         *_model_fields(makers, scenario),
     ]
-    options = _parse("evaluate", arguments, fields, _Run())
+    options = _parse("evaluate", arguments, fields, _Evaluate())
     scenario = getattr(options, "scenario", scenario)
     policies = [getattr(options, "policy", None) or make() for make in makers]
     with contextlib.ExitStack() as stack:
         kept = options.output is not None
         output = options.output or pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        engine = stack.enter_context(open_engine(options.engine, options.address))
         progress = stack.enter_context(Progress(options.episodes * len(policies)))
         paths = []
         for name, policy in zip(names, policies, strict=True):
@@ -175,7 +188,7 @@ def _evaluate(arguments: list[str]) -> None:
             label = re.sub(r"\W+", "-", name)
             paths.append(
                 run_experiments(
-                    job, output, label, options.threads, options.overwrite, progress.advance
+                    job, output, label, options.threads, options.overwrite, progress.advance, engine
                 )
             )
         rows = compare(list(names), [read_columns(path) for path in paths])

@@ -1,5 +1,7 @@
 """Experiments on disk: written as they go, resumed, and never half a file."""
 
+import contextlib
+import functools
 import hashlib
 import json
 import pathlib
@@ -12,6 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 import hav_env
+from baselines.engines import Engine, run_here
 from baselines.files import whole_file, write_text
 from baselines.policy import check_policy, find_kernel
 from baselines.rollout import rollout
@@ -43,11 +46,12 @@ def run_experiments(
     threads: int | None = None,
     overwrite: bool = False,
     advance: Callable[[int, int], None] = lambda episodes, steps: None,
+    engine: Engine = run_here,
 ) -> pathlib.Path:
     """Run experiments and keep their table as ``name.parquet`` in a folder.
 
     What an interrupted run has written is kept in ``name.parts`` and not run again. The file is the
-    same, byte for byte, however often the run was interrupted.
+    same, byte for byte, however often the run was interrupted and whichever engine runs it.
 
     Args:
         experiments: what to run.
@@ -56,6 +60,7 @@ def run_experiments(
         threads: how many.
         overwrite: discard what an earlier run left under this name.
         advance: called after every part with its numbers of episodes and of moving HAV-steps.
+        engine: runs what is missing, by ``baselines.engines.open_engine``.
 
     Returns:
         The path of the table.
@@ -84,26 +89,32 @@ def run_experiments(
         range(first, min(first + step, experiments.num_episodes))
         for first in range(0, experiments.num_episodes, step)
     ]
-    for span in spans:
-        part = parts / f"{span.start:09d}.parquet"
-        if not target.exists() and not part.exists():
-            table = rollout(
-                experiments.policy,
-                experiments.scenario,
-                experiments.seed,
-                np.arange(span.start, span.stop),
-                experiments.task,
-                experiments.vehicle,
-                threads,
-            )
-            write_table(table, part)
+    files = {span: parts / f"{span.start:09d}.parquet" for span in spans}
+    missing = [span for span in spans if not target.exists() and not files[span].exists()]
+    for span in set(spans).difference(missing):
+        advance(len(span), 0)
+    part = functools.partial(run_part, experiments)
+    with contextlib.closing(engine(part, missing, threads)) as done:
+        for span, table in done:
+            write_table(table, files[span])
             advance(len(span), int(np.sum(table["moving_steps"].to_numpy())))
-        else:
-            advance(len(span), 0)
     if not target.exists():
-        _join([parts / f"{span.start:09d}.parquet" for span in spans], target)
+        _join(list(files.values()), target)
     shutil.rmtree(parts)
     return target
+
+
+def run_part(experiments: Experiments, span: range, threads: int | None) -> pa.Table:
+    """Return the table of some of the experiments."""
+    return rollout(
+        experiments.policy,
+        experiments.scenario,
+        experiments.seed,
+        np.arange(span.start, span.stop),
+        experiments.task,
+        experiments.vehicle,
+        threads,
+    )
 
 
 def check_at_least_one(name: str, value: int) -> None:
