@@ -15,8 +15,11 @@ from baselines.policy_files import load_policy, load_trained
 from baselines.rollout import rollout
 from hav_env import Reward, Task, find_scenario
 from hav_env.report import REPORT
-from train import ppo
+from train import ppo, scores
+from train.between import Between
 from train.curriculum import Curriculum, harm_share
+from train.runs import restore
+from train.scores import HELD_OUT, score
 
 EVALUATED = Task(max_steps=budget(400, 10))
 SIZES = {
@@ -29,6 +32,7 @@ SIZES = {
     "evaluate-every": 256,
     "checkpoint-every": 256,
     "evaluation-episodes": budget(10, 2),
+    "scored-episodes": budget(10, 2),
     "layers": (8, 6),
 }
 
@@ -36,7 +40,7 @@ SIZES = {
 @pytest.fixture(autouse=True)
 def short_evaluations(monkeypatch):
     """Who is not trained to its end hits no goals: episodes would take their full time."""
-    monkeypatch.setattr(ppo, "rollout", functools.partial(rollout, task=EVALUATED))
+    monkeypatch.setattr(scores, "rollout", functools.partial(rollout, task=EVALUATED))
 
 
 def words(folder, **changes):
@@ -91,7 +95,7 @@ def trained(tmp_path_factory):
 
 def test_the_smoke_preset_does_everything_once(tmp_path, capsys, monkeypatch):
     if COMPILED:
-        monkeypatch.setattr(ppo, "rollout", rollout)
+        monkeypatch.setattr(scores, "rollout", rollout)
     folder = tmp_path / "smoke"
     small = ["--preset", "smoke", "--output", str(folder)] if COMPILED else words(folder)
     assert ppo.main(small) == 0
@@ -106,7 +110,7 @@ def test_the_run_is_described(trained):
     assert told["arguments"]["decisions"] == 768
     assert told["arguments"]["reward"] == ppo.REWARD._asdict()
     assert {"torch", "stable-baselines3", "numpy"} <= set(told["packages"])
-    assert ppo.arguments_of(told["arguments"]) == ppo.read_arguments(words(trained))[0]
+    assert restore(ppo.Arguments, told["arguments"]) == ppo.read_arguments(words(trained))[0]
 
 
 def test_a_policy_tells_how_it_came_to_be(trained):
@@ -130,13 +134,13 @@ def test_evaluations_are_spread_over_the_training_and_end_it(trained):
 def test_the_last_figures_are_those_of_the_file_on_the_held_out_episodes(trained):
     policy, scenario = load_policy(trained / "last.policy"), find_scenario("paper-single")
     episodes = np.arange(SIZES["evaluation-episodes"])
-    table = rollout(policy, scenario, ppo.HELD_OUT, episodes, EVALUATED)
+    table = rollout(policy, scenario, HELD_OUT, episodes, EVALUATED)
     row = json.loads((trained / "curve.json").read_text())[-1]
     for figure in figures_of(table):
         value = measure(table, figure).value
         assert figure.name in row or np.isnan(value)
         assert row.get(figure.name, np.nan) == pytest.approx(value, rel=1e-12, nan_ok=True)
-    assert row["score"] == ppo.score(row)
+    assert row["score"] == score(row)
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -176,8 +180,8 @@ def test_the_best_policy_is_that_of_the_highest_score(tmp_path, monkeypatch):
 
 def test_harm_weighs_against_goals():
     goals = {"goal 1 hit": 0.8, "goal 2 hit": 0.6}
-    assert ppo.score(goals | {"jackknifed": 0.0}) == pytest.approx(0.7)
-    assert ppo.score(goals | {"jackknifed": 0.1, "actual collision": 0.05}) == pytest.approx(0.4)
+    assert score(goals | {"jackknifed": 0.0}) == pytest.approx(0.7)
+    assert score(goals | {"jackknifed": 0.1, "actual collision": 0.05}) == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize("scenario", ["paper-single", "paper-pair"])
@@ -212,14 +216,14 @@ class KilledError(Exception):
 
 def stop_after(monkeypatch, decisions, error):
     """Let a training end all of a sudden in the middle of a rollout."""
-    step = ppo.Between._on_step
+    step = Between._on_step
 
     def stopping(between):
         if between.num_timesteps > decisions:
             raise error
         return step(between)
 
-    monkeypatch.setattr(ppo.Between, "_on_step", stopping)
+    monkeypatch.setattr(Between, "_on_step", stopping)
 
 
 @pytest.mark.parametrize("moments", [(300,), (520, 760), (260, 400, 620)])

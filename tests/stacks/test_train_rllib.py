@@ -13,9 +13,9 @@ from baselines.policy_files import load_trained
 from baselines.rollout import rollout
 from hav_env import RandomPoses, Task
 from train.rllib import Run, main
-from train.rllib_arguments import PRESETS, plain
+from train.rllib_arguments import PRESETS
 from train.rllib_setup import SHARED, HAVMultiAgentEnv, mean_layers
-from train.runs import begin_run
+from train.runs import begin_run, plain
 
 SHORT = Task(max_steps=200)
 
