@@ -5,6 +5,7 @@ import time
 from typing import Any
 
 import numpy as np
+import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
 from baselines.files import write_text
@@ -45,6 +46,8 @@ class Between(BaseCallback):
         arguments = run.arguments
         progress = done / arguments.decisions
         run.process.set_reward(reward_at(arguments.curriculum, arguments.reward, progress))
+        with torch.no_grad():
+            run.learner.policy.log_std.clamp_(min=float(np.log(arguments.least_deviation)))
         run.seconds = self.spent + time.monotonic() - self.begun
         self._log()
         each = arguments.worlds * run.process.num_havs * arguments.rollout_decisions

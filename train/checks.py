@@ -9,7 +9,10 @@ from train.curriculum import check_curriculum
 
 # of a single number there is no deviation, by which advantages are divided
 _LEAST = {"rollout_decisions": 2, "batch_size": 2, "hold_noise": 0, "runners": 0}
-_POSITIVE = ("learning_rate", "deviation", "clip_range", "reward_limit", "reward_scale")
+_POSITIVE = (
+    *("learning_rate", "deviation", "least_deviation", "clip_range", "target_divergence"),
+    *("reward_limit", "reward_scale"),
+)
 _SHARES = ("discount", "gae_lambda")
 
 

@@ -55,7 +55,7 @@ class Arguments:
     begin_with: str = ""
     """A trained policy to begin with, by name or file; what it does not observe is ignored at
     first."""
-    decisions: int = 60_000_000
+    decisions: int = 40_000_000
     """For how long to learn: actions of all HAVs together."""
     worlds: int = 512
     """How many run side by side."""
@@ -64,16 +64,21 @@ class Arguments:
     batch_size: int = 4_096
     epochs: int = 4
     """How often each action is learned from."""
-    learning_rate: float = 1e-3
+    learning_rate: float = 5e-4
     """At the beginning; it falls to nothing along a straight line."""
     discount: float = 0.995
     """For each action."""
     gae_lambda: float = 0.95
     clip_range: float = 0.2
+    target_divergence: float = 0.02
+    """Mean KL divergence from the policy that drove, from which on an update ends early."""
     entropy: float = 0.0
     """Weight of the entropy bonus."""
     deviation: float = 0.4
     """Standard deviation of actions at the beginning."""
+    least_deviation: float = 0.12
+    """Below which it does not fall. Who learns with noise keeps away from what noise would lead to;
+    without it, margins shrink to nothing, and so do the steps that are safe to learn with."""
     hold_noise: int = 0
     """For how many actions the noise that explores is the same function of the state (gSDE, Raffin
     et al. 2021): so HAVs try to wait for a while, not for an instant. 0 for independent noise."""
@@ -141,6 +146,7 @@ def make_learner(arguments: Arguments, env: VecNormalize) -> PPO:
         gamma=arguments.discount,
         gae_lambda=arguments.gae_lambda,
         clip_range=arguments.clip_range,
+        target_kl=arguments.target_divergence,
         ent_coef=arguments.entropy,
         policy_kwargs={
             "net_arch": list(arguments.layers),

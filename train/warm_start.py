@@ -11,6 +11,8 @@ from baselines.network import Network, unpack_layers
 from hav_env.decision_process import DecisionProcess
 from hav_env.observation import name_columns
 
+_SPEED, _STEERING = range(2)  # of an action
+_QUIETER = 0.5
 _LEAST = 1e-2  # variance, of a column that is the same in all episodes at first
 _SEEN = 1e6  # observations that the normalizer is taken to have seen, so that it changes slowly
 
@@ -19,7 +21,7 @@ def start_from(policy: Any, learner: PPO, env: VecNormalize, process: DecisionPr
     """Give a learner the layers and the normalizer of a policy; the value is learned anew.
 
     Columns that the policy does not observe begin with weights of zero, so that the learner acts
-    as the policy does until it learns better. They are normalized by what is seen at the beginning
+    as the policy does until it learns better, but for its speed, which is full. They are normalized by what is seen at the beginning
     of episodes.
 
     Raises:
@@ -46,6 +48,13 @@ def start_from(policy: Any, learner: PPO, env: VecNormalize, process: DecisionPr
         for module, (weights, biases) in zip(linear, layers, strict=True):
             module.weight.copy_(torch.from_numpy(weights))
             module.bias.copy_(torch.from_numpy(biases))
+    # Alone, full speed is always right, and what puts it out is far above 1, where it is cut: no
+    # noise would bring it down to where it has an effect. So speed is learned anew; steering, which
+    # can be done already, is explored less.
+    with torch.no_grad():
+        linear[-1].weight[_SPEED] = 0.0
+        linear[-1].bias[_SPEED] = 1.0
+        learner.policy.log_std[..., _STEERING] += np.log(_QUIETER)
     seen: Any = env.obs_rms
     first: Any = env.venv.reset()
     seen.mean[:] = first.mean(axis=0)
