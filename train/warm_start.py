@@ -21,8 +21,8 @@ def start_from(policy: Any, learner: PPO, env: VecNormalize, process: DecisionPr
     """Give a learner the layers and the normalizer of a policy; the value is learned anew.
 
     Columns that the policy does not observe begin with weights of zero, so that the learner acts
-    as the policy does until it learns better, but for its speed, which is full. They are normalized by what is seen at the beginning
-    of episodes.
+    as the policy does until it learns better, but for its speed, which is full. They are normalized
+    by what is seen at the beginning of episodes.
 
     Raises:
         ValueError: when it was not trained, its layers differ, or it observes what the learner
