@@ -10,7 +10,7 @@ from hav_env.decision_process import DecisionProcess
 from hav_env.report import REPORT
 from train.curriculum import Curriculum, check_curriculum, harm_share, reward_at
 
-HARM = ("jackknife", "actual_collision", "potential_collision", "articulation")
+HARM = ("jackknife", "actual_collision", "potential_collision", "proximity", "articulation")
 CURRICULA = [
     Curriculum(),
     Curriculum(share=0.0, begin=0.0, end=1.0),
@@ -107,6 +107,8 @@ def test_another_reward_changes_what_comes_and_nothing_that_was():
     gained, gained_then = np.diff(returns, axis=0), np.diff(returns_then, axis=0)
     of_later = slice(STEPS // 2 - 1, None)
     for k, term in enumerate(Reward._fields):
+        if getattr(Reward(), term) == 0.0:
+            continue
         ratio = getattr(LATER, term) / getattr(Reward(), term)
         expected = ratio * gained[of_later, k]
         assert gained_then[of_later, k] == pytest.approx(expected, abs=1e-9), term
@@ -118,7 +120,7 @@ def test_whole_weights_are_numbers_too():
     process = DecisionProcess(1, scenario="paper-single", reward=Reward(time=0.0))
     process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, bool))
     process.look(np.ones(1, bool), process.outcome())
-    process.set_reward(Reward(0, 0, 0, 0, 0, 0, 0, -1))
+    process.set_reward(Reward(*[0] * 8, -1))
     assert process.step(np.zeros((1, 1, 2))).numbers[-1, 0, 0] == pytest.approx(-0.2)
 
 
@@ -134,7 +136,7 @@ def test_whole_weights_are_numbers_too():
     ],
 )
 def test_another_reward_that_cannot_be_is_refused_and_the_old_one_stays(reward, error, message):
-    process = DecisionProcess(1, scenario="paper-single", reward=Reward(0, 0, 0, 0, 0, 0, 0, -1))
+    process = DecisionProcess(1, scenario="paper-single", reward=Reward(*[0] * 8, -1))
     process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, bool))
     process.look(np.ones(1, bool), process.outcome())
     with pytest.raises(error, match=message):

@@ -15,7 +15,7 @@ from baselines.policy_files import load_policy, load_trained
 from baselines.rollout import rollout
 from hav_env import Reward, Task, find_scenario
 from hav_env.report import REPORT
-from train import ppo, scores
+from train import between, ppo, scores
 from train.between import Between
 from train.curriculum import Curriculum, harm_share
 from train.runs import restore
@@ -86,7 +86,7 @@ def states_of(folder):
 def trained(tmp_path_factory):
     """Return the folder of a training that nothing has interrupted."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ppo, "rollout", functools.partial(rollout, task=EVALUATED))
+        patch.setattr(scores, "rollout", functools.partial(rollout, task=EVALUATED))
         return train(tmp_path_factory.mktemp("runs") / "whole")
 
 
@@ -167,10 +167,10 @@ def test_tensorboard_shows_every_term_every_event_and_the_evaluations(trained):
 def test_the_best_policy_is_that_of_the_highest_score(tmp_path, monkeypatch):
     hits = iter([0.2, 0.7, 0.7, 0.5])
 
-    def scripted(run, episodes):
+    def scripted(policy, scenario, episodes):
         return {"jackknifed": 0.1, "goal 1 hit": next(hits), "goal 2 hit": 0.0}
 
-    monkeypatch.setattr(ppo.Run, "evaluate", scripted)
+    monkeypatch.setattr(between, "evaluate", scripted)
     folder = train(tmp_path / "run", decisions=1_024)
     curve = json.loads((folder / "curve.json").read_text())
     assert [row["score"] for row in curve] == pytest.approx([-0.1, 0.15, 0.15, 0.05])
@@ -218,10 +218,10 @@ def stop_after(monkeypatch, decisions, error):
     """Let a training end all of a sudden in the middle of a rollout."""
     step = Between._on_step
 
-    def stopping(between):
-        if between.num_timesteps > decisions:
+    def stopping(callback):
+        if callback.num_timesteps > decisions:
             raise error
-        return step(between)
+        return step(callback)
 
     monkeypatch.setattr(Between, "_on_step", stopping)
 
@@ -285,7 +285,7 @@ def test_harm_weighs_what_the_curriculum_says(tmp_path, monkeypatch):
     "changes",
     [
         {"scenario": "paper-pair", "worlds": 4},
-        {"scenario": "crossing-8", "worlds": 1, "neighbors": 2},
+        {"scenario": "crossing-8", "worlds": 1, "observation.neighbors": 2},
         {"layers": (5,), "frame_skip": 1},
         {"layers": (3, 4, 5)},
         {"curriculum.begin": 0.5, "curriculum.end": 0.5},
@@ -297,7 +297,9 @@ def test_what_was_trained_drives(changes, tmp_path):
     folder = train(tmp_path / "run", **changes)
     policy = load_policy(folder / "best.policy")
     scenario = find_scenario(changes.get("scenario", "paper-single"))
-    assert policy.observation.neighbors == min(changes.get("neighbors", 4), scenario.num_havs - 1)
+    assert policy.observation.neighbors == min(
+        changes.get("observation.neighbors", 1), scenario.num_havs - 1
+    )
     assert policy.frame_skip == changes.get("frame_skip", SIZES["frame-skip"])
     assert tuple(policy.sizes[1:-1]) == changes.get("layers", (8, 6))
     assert len(rollout(policy, scenario, 1, np.arange(2), EVALUATED)) == 2 * scenario.num_havs

@@ -141,7 +141,7 @@ SMALL = ["--preset", "smoke", "--worlds", "2", "--batch-size", "64", "--layers",
         (["--layers", "8", "0"], "layers is (8, 0)"),
         (["--frame-skip", "0"], "frame_skip is 0"),
         (["--max-steps", "0"], "max_steps is 0"),
-        (["--neighbors", "-1"], "neighbors is -1"),
+        (["--observation.neighbors", "-1"], "neighbors is -1"),
         (["--reward.goal", "nan"], "reward goal is nan"),
         (["--curriculum.share", "2"], "curriculum share is 2.0"),
         (["--curriculum.begin", "0.9"], "curriculum end is 0.5, but must be at least its begin"),
@@ -172,6 +172,7 @@ def run(tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(ppo.Run, "learn", begin)
+        patch.setattr(ppo, "conclude", lambda *told: {})
         assert ppo.main([*SMALL, "--output", "run"]) == 0
     return tmp_path / "run"
 

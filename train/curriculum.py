@@ -65,5 +65,6 @@ def reward_at(curriculum: Curriculum, reward: Reward, progress: float) -> Reward
         jackknife=share * reward.jackknife,
         actual_collision=share * reward.actual_collision,
         potential_collision=share * reward.potential_collision,
+        proximity=share * reward.proximity,
         articulation=share * reward.articulation,
     )

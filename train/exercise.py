@@ -8,7 +8,7 @@ from hav_env.scenarios.presets import scenario_of
 from train.curriculum import Curriculum, lengthen
 
 CURRICULUM, OBSERVATION = Curriculum(), Observation(neighbors=1, fronts=True)
-REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-1.0, time=-0.05)
+REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-4.0, time=-0.05)
 
 
 class Exercise(Protocol):

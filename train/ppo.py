@@ -34,7 +34,7 @@ from train.checks import check_arguments
 from train.curriculum import Curriculum
 from train.exercise import CURRICULUM, OBSERVATION, REWARD, settings_of
 from train.export import network_of
-from train.runs import begin_run, plain, read_run, restore, versions
+from train.runs import about_of, begin_run, plain, read_run, restore, versions
 from train.sb3_env import HAVVecEnv
 from train.scores import TRAINING, conclude
 from train.warm_start import start_from
@@ -55,7 +55,7 @@ class Arguments:
     begin_with: str = ""
     """A trained policy to begin with, by name or file; what it does not observe is ignored at
     first."""
-    decisions: int = 40_000_000
+    decisions: int = 30_000_000
     """For how long to learn: actions of all HAVs together."""
     worlds: int = 512
     """How many run side by side."""
@@ -75,8 +75,9 @@ class Arguments:
     entropy: float = 0.0
     """Weight of the entropy bonus."""
     deviation: float = 0.4
-    """Standard deviation of actions at the beginning."""
-    least_deviation: float = 0.12
+    """Standard deviation of actions at the beginning; with ``hold_noise`` of the weights that make
+    it of the last hidden layer, so that of actions is several times as large."""
+    least_deviation: float = 0.08
     """Below which it does not fall. Who learns with noise keeps away from what noise would lead to;
     without it, margins shrink to nothing, and so do the steps that are safe to learn with."""
     hold_noise: int = 0
@@ -113,7 +114,19 @@ class Arguments:
 
 PRESETS = {
     "single": Arguments(),
-    "pair": Arguments(scenario="paper-pair", worlds=256, max_steps=6_000),
+    "pair": Arguments(
+        scenario="paper-pair",
+        begin_with="ppo_single",
+        decisions=25_000_000,
+        worlds=256,
+        gae_lambda=0.97,
+        deviation=0.08,
+        least_deviation=0.05,
+        hold_noise=12,
+        max_steps=6_000,
+        reward=REWARD._replace(articulation=-1.0, actual_collision=-100.0, proximity=-1.0),
+        curriculum=Curriculum(share=1.0),
+    ),
     # is done in seconds, and learns nothing to speak of
     "smoke": Arguments(
         decisions=20_000,
@@ -200,6 +213,7 @@ class Run:
             "algorithm": "PPO (stable-baselines3)",
             "arguments": plain(self.arguments),
             "decisions": self.learner.num_timesteps,
+            "began_with": about_of(self.arguments.begin_with),
             "hours": self.seconds / 3_600,
             "curve": self.curve,
             **versions(),

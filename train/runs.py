@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 import hav_env
 from baselines.files import write_text
+from baselines.policy_files import load_trained
+from baselines.registry import policy_file
 
 DESCRIPTION = "run.json"
 Arguments = TypeVar("Arguments")
@@ -70,16 +72,26 @@ def restore(arguments_class: type[Arguments], told: dict[str, Any]) -> Arguments
     Raises:
         ValueError: when they are not arguments of this class.
     """
-    usual = arguments_class()
+    usual = vars(arguments_class())
 
     def read(name: str, value: Any) -> Any:
-        kind = type(getattr(usual, name))
+        kind = type(usual[name])
         return kind(**value) if isinstance(value, dict) else kind(value)
 
     try:
+        missing = set(usual) - set(told)
+        if missing:
+            raise KeyError(*sorted(missing))
         return arguments_class(**{name: read(name, value) for name, value in told.items()})
-    except (AttributeError, TypeError, ValueError) as error:
-        raise ValueError(f"these are no arguments of this version: {error}") from None
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"the run has other arguments than this version: {error}") from None
+
+
+def about_of(name: str) -> dict[str, Any]:
+    """Return how a trained policy came to be, without its curve; nothing for no policy."""
+    path = policy_file(name)
+    about = load_trained(path).about if path else {}
+    return {key: value for key, value in about.items() if key != "curve"}
 
 
 def versions() -> dict[str, Any]:
