@@ -2,6 +2,7 @@
 
 import functools
 import importlib
+import pathlib
 from collections.abc import Callable
 from typing import Any
 
@@ -11,10 +12,15 @@ from baselines.policy_files import SUFFIX, load_policy
 from baselines.pursuit import DubinsPursuit
 from baselines.random_actions import Random
 
+TRAINED = {
+    name: pathlib.Path(__file__).parent / "policies" / f"{name}{SUFFIX}"
+    for name in ("ppo_single", "ppo_pair")
+}
 POLICIES: dict[str, Callable[[], Any]] = {
     "avoid_jack": AvoidJack,
     "dubins_pursuit": DubinsPursuit,
     "random": Random,
+    **{name: functools.partial(load_policy, path) for name, path in TRAINED.items()},
 }
 KNOWN = f"{', '.join(POLICIES)}, FILE{SUFFIX}, module:Class"
 
@@ -30,8 +36,9 @@ def find_policy(name: str) -> Callable[[], Any]:
     """
     if name in POLICIES:
         return POLICIES[name]
-    if name.endswith(SUFFIX):
-        return functools.partial(load_policy, name)
+    path = policy_file(name)
+    if path is not None:
+        return functools.partial(load_policy, path)
     module_name, _, class_name = name.partition(":")
     if not class_name:
         raise ValueError(f"unknown policy {name!r}; known: {KNOWN}")
@@ -42,3 +49,8 @@ def find_policy(name: str) -> Callable[[], Any]:
     if find_kernel(found) is None:
         raise ValueError(f"{name!r} is not a policy: register it with act.register")
     return found
+
+
+def policy_file(name: str) -> pathlib.Path | None:
+    """Return the file of a trained policy, by its name or path; None for other policies."""
+    return TRAINED.get(name) or (pathlib.Path(name) if name.endswith(SUFFIX) else None)
