@@ -14,7 +14,8 @@ from baselines.random_actions import Random
 
 TRAINED = {
     name: pathlib.Path(__file__).parent / "policies" / f"{name}{SUFFIX}"
-    for name in ("ppo_single", "ppo_pair")
+    # ppo_beginner is what ppo_pair began with
+    for name in ("ppo_single", "ppo_pair", "ppo_beginner")
 }
 POLICIES: dict[str, Callable[[], Any]] = {
     "avoid_jack": AvoidJack,

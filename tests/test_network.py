@@ -179,7 +179,5 @@ def test_chains_that_are_not_observed_are_named():
     policy = random_network(neighbors=1)._replace(observation=Observation(1, chains=True))
     with pytest.raises(ValueError, match="does not fit"):
         check_policy(policy, PAIR)
-    with pytest.raises(
-        ValueError, match=r"observe 1 neighbors with trailers .* offers 0 neighbors"
-    ):
+    with pytest.raises(ValueError, match=r"observe 1 neighbors with chains .* offers 0 neighbors"):
         check_policy(policy, SINGLE)

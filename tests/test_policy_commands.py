@@ -102,7 +102,11 @@ def text(path):
         (["reproduce", "--policy", "FILE"], pair, "trained to observe 1 neighbors"),
         (["reproduce", "--policy", "FILE"], text, "is no policy file, or a broken one"),
         (["evaluate", "chance.policies"], None, "FILE.policy"),
-        (["evaluate", "nobody"], None, "avoid_jack, dubins_pursuit, random, FILE.policy, module"),
+        (
+            ["evaluate", "nobody"],
+            None,
+            "random, ppo_single, ppo_pair, ppo_beginner, FILE.policy, module:Class",
+        ),
     ],
 )
 def test_bad_input_is_one_line_and_an_exit_code(arguments, write, message, path, tmp_path, capsys):

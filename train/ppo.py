@@ -116,7 +116,7 @@ PRESETS = {
     "single": Arguments(),
     "pair": Arguments(
         scenario="paper-pair",
-        begin_with="ppo_single",
+        begin_with="ppo_beginner",
         decisions=25_000_000,
         worlds=256,
         gae_lambda=0.97,
@@ -126,6 +126,7 @@ PRESETS = {
         max_steps=6_000,
         reward=REWARD._replace(articulation=-1.0, actual_collision=-100.0, proximity=-1.0),
         curriculum=Curriculum(share=1.0),
+        evaluate_every=1_000_000,
     ),
     # is done in seconds, and learns nothing to speak of
     "smoke": Arguments(

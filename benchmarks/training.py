@@ -1,0 +1,106 @@
+"""How fast PPO trains, beside the same PPO on worlds that cost nothing.
+
+``python -m benchmarks.training`` prints the table of benchmarks/README.md. Both learn in turns, so
+that a shared machine is as slow for one as for the other.
+"""
+
+import dataclasses
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import tyro
+from rich.console import Console
+from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+
+from benchmarks.tables import new_table, rate_text
+from benchmarks.turns import medians_in_turns
+from train.ppo import PRESETS, Arguments, make_learner, make_worlds
+
+
+class EmptyVecEnv(VecEnv):
+    """The rows and spaces of other worlds; nothing is simulated and no episode ends."""
+
+    def __init__(self, like: VecEnv) -> None:
+        super().__init__(like.num_envs, like.observation_space, like.action_space)
+        shape = (like.num_envs, *(like.observation_space.shape or ()))
+        self._observation = np.random.default_rng(0).random(shape, np.float32)
+
+    def reset(self) -> np.ndarray:
+        """Return the same as ever, as ``step`` does."""
+        return self._observation.copy()
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Do nothing."""
+
+    def step_wait(self) -> Any:
+        """Return what was seen at the beginning."""
+        nothing = np.zeros(self.num_envs, np.float32)
+        infos: list[dict] = [{} for _ in range(self.num_envs)]
+        return self._observation.copy(), nothing, np.zeros(self.num_envs, bool), infos
+
+    def close(self) -> None:
+        """Do nothing."""
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """Return an attribute, the same for all rows."""
+        return [getattr(self, attr_name)] * self.num_envs
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Set an attribute."""
+        setattr(self, attr_name, value)
+
+    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list:
+        """Have no methods."""
+        raise AttributeError(method_name)
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """Tell that no row is wrapped."""
+        return [False] * self.num_envs
+
+
+def prepare(arguments: Arguments, empty: bool, iterations: int) -> Callable[[], float]:
+    """Return what learns for some iterations and returns decisions/s; it has warmed up."""
+    worlds: VecEnv = make_worlds(arguments)
+    if empty:
+        worlds = EmptyVecEnv(worlds)
+    env = VecNormalize(worlds, gamma=arguments.discount)
+    env.seed(1)
+    learner = make_learner(arguments, env)
+    each = env.num_envs * arguments.rollout_decisions
+    learner.learn(each)
+
+    def run() -> float:
+        begun = time.perf_counter()
+        learner.learn(iterations * each, reset_num_timesteps=False)
+        return iterations * each / (time.perf_counter() - begun)
+
+    return run
+
+
+def main(iterations: int = 3, repetitions: int = 5) -> None:
+    """Measure the presets.
+
+    Args:
+        iterations: rollouts with their updates in one turn.
+        repetitions: turns, whose median counts.
+    """
+    import torch  # noqa: PLC0415 (the number of threads is the arguments')
+
+    runs = {}
+    for name in ("single", "pair"):
+        arguments = dataclasses.replace(PRESETS[name], threads=1)
+        torch.set_num_threads(arguments.threads)
+        for empty in (False, True):
+            runs[name, empty] = prepare(arguments, empty, iterations)
+    rates = medians_in_turns(runs, repetitions)
+    table = new_table("PPO, one thread, decisions/s", "preset", "HAVs", "nothing", "ratio")
+    for name in ("single", "pair"):
+        ours, empty = rates[name, False], rates[name, True]
+        table.add_row(name, rate_text(ours), rate_text(empty), f"{ours / empty:.2f}")
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    tyro.cli(main)

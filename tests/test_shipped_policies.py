@@ -1,0 +1,62 @@
+"""The policies that are shipped do what their files say, and better than AVOID-JACK."""
+
+import numpy as np
+import pytest
+from conftest import budget
+
+from baselines.avoid_jack import AvoidJack
+from baselines.evaluate import figures_of, measure
+from baselines.policy_files import load_trained
+from baselines.registry import TRAINED, find_policy
+from baselines.rollout import rollout
+from hav_env import find_scenario
+
+PURE = not budget(1, 0)
+# the paper's figures, and whether more is better
+COLUMNS = {
+    "goal_1_hit": 1,
+    "goal_2_hit": 1,
+    "jackknifed": -1,
+    "potential_collision": -1,
+    "actual_collision": -1,
+}
+
+
+def scored(name):
+    """Return a shipped policy, its scenario, and what its file says of its evaluation."""
+    policy, about = load_trained(TRAINED[name])
+    return policy, find_scenario(about["arguments"]["scenario"]), about["evaluation"]
+
+
+@pytest.mark.parametrize("name", TRAINED)
+def test_the_first_episodes_are_those_in_the_file(name):
+    policy, scenario, told = scored(name)
+    episodes = np.arange(1 + told["first"][budget(-1, 0)]["episode"])
+    rows = rollout(policy, scenario, told["seed"], episodes).to_pylist()
+    for row, kept in zip(rows, told["first"], strict=False):
+        assert {key: row[key] for key in kept} == pytest.approx(kept, rel=1e-9)
+
+
+@pytest.mark.skipif(PURE, reason="thousands of episodes: their bits are those of the first ones")
+@pytest.mark.parametrize("name", TRAINED)
+def test_the_figures_are_those_in_the_file(name):
+    policy, scenario, told = scored(name)
+    table = rollout(policy, scenario, told["seed"], np.arange(told["episodes"]))
+    figures = {figure.name: measure(table, figure).value for figure in figures_of(table)}
+    assert {name: figures[name] for name in told["figures"]} == pytest.approx(told["figures"])
+
+
+@pytest.mark.skipif(PURE, reason="thousands of episodes")
+@pytest.mark.parametrize("name", ["ppo_single", "ppo_pair"])
+def test_no_column_is_worse_than_avoid_jacks(name):
+    policy, scenario, _ = scored(name)
+    episodes = np.arange(1_500)
+    ours, theirs = (rollout(one, scenario, 7, episodes) for one in (policy, AvoidJack()))
+    for column, sign in COLUMNS.items():
+        better, worse = (np.mean(table[column].to_numpy()) for table in (ours, theirs))
+        assert sign * better >= sign * worse, column
+
+
+def test_a_name_is_a_policy():
+    for name in TRAINED:
+        assert find_policy(name)() is not None
