@@ -22,6 +22,8 @@ from train.ppo import PRESETS, Arguments, make_learner, make_worlds
 class EmptyVecEnv(VecEnv):
     """The rows and spaces of other worlds; nothing is simulated and no episode ends."""
 
+    render_mode = None
+
     def __init__(self, like: VecEnv) -> None:
         super().__init__(like.num_envs, like.observation_space, like.action_space)
         shape = (like.num_envs, *(like.observation_space.shape or ()))

@@ -118,7 +118,7 @@ def _report(
     if curves:
         shares = {row[0].figure.name: row[0].measured.value for row in scores
                   if row[0].figure.percent and row[0].figure.name != "folded through"}  # fmt: skip
-        drawn += save_figure(draw_curves(curves, shares), folder, f"{scenario}-curves")
+        drawn += save_figure(draw_curves(curves, names[0], shares), folder, f"{scenario}-curves")
     trajectories = [
         record_trajectory(policy, find_scenario(scenario), options.seed, options.shown)
         for policy in policies.values()

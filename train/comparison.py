@@ -51,30 +51,33 @@ def draw_bars(scores: list[list[Score]], title: str) -> Figure:
 
 
 @sheet
-def draw_curves(curves: dict[str, list[dict[str, Any]]], reference: dict[str, float]) -> Figure:
+def draw_curves(
+    curves: dict[str, list[dict[str, Any]]], name: str, reference: dict[str, float]
+) -> Figure:
     """Draw what policies reached on the held-out episodes while they learned.
 
     Args:
         curves: of each policy, the rows of its ``curve.json``.
-        reference: the figures of the policy to compare with, drawn as dashed lines.
+        name, reference: of the policy to compare with; its figures are drawn as dashed lines.
     """
     figure = new_figure(2.4)
     goals, harm = figure.subplots(1, 2)
     rows = next(iter(curves.values()))
-    names = [name for name in rows[0] if name in reference]
-    colors = dict(zip(names, (BLUE, ORANGE, GREEN, PURPLE, DARK, GREY), strict=False))
+    shown = [figure for figure in rows[0] if figure in reference]
+    colors = dict(zip(shown, (BLUE, ORANGE, GREEN, PURPLE, DARK, GREY), strict=False))
     for k, (policy, curve) in enumerate(curves.items()):
         millions = [row["decisions"] / 1e6 for row in curve]
-        for name in names:
-            axes = goals if name.endswith(" hit") else harm
-            values = [100.0 * row[name] for row in curve]
-            label = name if len(curves) == 1 else f"{policy}: {name}"
-            style = ("-", "--", ":")[k % 3]
-            axes.plot(millions, values, color=colors[name], ls=style, label=label)
-            axes.axhline(100.0 * reference[name], color=colors[name], lw=0.7, ls=(0, (4, 3)))
+        for what in shown:
+            axes = goals if what.endswith(" hit") else harm
+            values = [100.0 * row[what] for row in curve]
+            label = what if len(curves) == 1 else f"{policy}: {what}"
+            style = ("-", "-.", ":")[k % 3]
+            axes.plot(millions, values, color=colors[what], ls=style, label=label)
+            axes.axhline(100.0 * reference[what], color=colors[what], lw=0.7, ls=(0, (4, 3)))
     harm.set_yscale("symlog", linthresh=1.0)
     for axes in (goals, harm):
         axes.set(xlabel="decisions [millions]", ylabel="share of HAVs [%]")
+        axes.set_title(f"dashed: {name}")
         axes.set_ylim(bottom=0.0)
         axes.legend()
     return figure
