@@ -108,15 +108,17 @@ def name_columns(observation: Observation, max_trailers: int) -> tuple[str, ...]
     return tuple(names)
 
 
+_SIGNED = (
+    *("_turn", "_path_steering", "_clearance", "largest_articulation"),
+    *("front_ahead", "front_aside"),
+)
+
+
 def bounds_of(name: str) -> tuple[float, float]:
     """Return the least and the greatest value of a column."""
     if "length" in name:
         return 0.0, MOST_UNITS
-    signed = (
-        "cosine" in name
-        or "sine" in name
-        or name.endswith(("_turn", "_path_steering", "_clearance"))
-    )
+    signed = "cosine" in name or "sine" in name or name.endswith(_SIGNED)
     return -1.0 if signed else 0.0, 1.0
 
 
