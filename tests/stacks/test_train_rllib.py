@@ -99,9 +99,10 @@ def test_it_learns_until_the_rate_has_fallen_to_nothing(trained):
 
 def test_harm_weighs_more_with_time(trained):
     env = trained.algorithm.env_runner_group.local_env_runner.env.unwrapped.envs[0].unwrapped
-    for progress, jackknife in ((0.0, -10.0), (1.0, -50.0)):
+    weights = trained.arguments.reward
+    for progress, share in ((0.0, trained.arguments.curriculum.share), (1.0, 1.0)):
         trained._weigh_harm(progress)
-        assert env._swarm._world.process._reward.jackknife == jackknife
+        assert env._swarm._world.process._reward.jackknife == share * weights.jackknife
 
 
 def test_no_two_worlds_have_the_same_episodes():
