@@ -1,17 +1,22 @@
 """What the tests share: worlds written by hand, and how many examples a run can afford."""
 
 import math
+import sys
+import types
 
 import numba
 import numpy as np
+import pytest
 from hypothesis import settings
 
 from hav_env import Batch, Explicit, RandomFleet, RandomPoses, Task, explicit
 from hav_env.collision import enclose
+from hav_env.compiled.sources import sources
 from hav_env.lanes import block_of, view_of
 from hav_env.world import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE
 
 COMPILED = not numba.config.DISABLE_JIT  # coverage is measured without compilation
+COMPARED = "the compiled suite runs both ways and compares them"
 
 settings.register_profile(
     "suite", deadline=None, derandomize=True, database=None, max_examples=300 if COMPILED else 40
@@ -20,6 +25,26 @@ settings.load_profile("suite")
 
 
 ALL = slice(None)
+
+
+@pytest.fixture(autouse=True)
+def no_kernels_are_left_behind():
+    """Forget the kernels of a file that only one test imports.
+
+    Compiled code is kept under the digest of all files with kernels: with one more, every test that
+    follows would compile everything anew.
+    """
+    before = set(sources)
+    yield
+    added = {source for source in sources - before if not source.is_dir()}
+    sources.difference_update(added)
+    files = {str(source) for source in added}
+    for name in [name for name, module in sys.modules.items() if file_of(module) in files]:
+        del sys.modules[name]  # who imports it again has it noted again
+
+
+def file_of(module):
+    return vars(module).get("__file__") if isinstance(module, types.ModuleType) else None
 
 
 def budget(compiled: int, pure: int) -> int:

@@ -4,7 +4,7 @@ import warnings
 
 import gymnasium as gym
 import pytest
-from conftest import budget, side_by_side
+from conftest import COMPILED, budget, side_by_side
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
@@ -30,15 +30,15 @@ LEAVING = {
     "task": Task(distance_tolerance=1.5, heading_tolerance=4.0),
     "on_goal": "remove",
 }
+LARGE = ("swarm-50", "swarm-200")  # each step takes a second without compilation
 SETTINGS = {
-    **{name: {"scenario": name} for name in SCENARIOS},
+    **{name: {"scenario": name} for name in SCENARIOS if COMPILED or name not in LARGE},
     "five": {"num_havs": 5},
     "leaving": LEAVING,
     "held": {"frame_skip": 3},
     "blind": {"observation": Observation(neighbors=0)},
     "chains": {"observation": Observation(neighbors=1, chains=True)},
 }
-LARGE = ("swarm-50", "swarm-200")
 SMALL = [name for name in SETTINGS if name not in LARGE]
 settings = pytest.mark.parametrize("settings", list(SETTINGS.values()), ids=SETTINGS)
 small_settings = pytest.mark.parametrize("settings", [SETTINGS[k] for k in SMALL], ids=SMALL)
@@ -53,9 +53,9 @@ def no_display(monkeypatch):
 
 
 def cycles(settings) -> int:
-    """Return how many actions are enough: large swarms are slow in checkers, and in Python."""
+    """Return how many actions are enough: large swarms are slow in checkers."""
     large = settings.get("scenario") in LARGE
-    return budget(5, 1) if large else budget(60, 4)
+    return 5 if large else budget(60, 4)
 
 
 def episodes(settings):

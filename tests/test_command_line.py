@@ -1,5 +1,6 @@
 """The commands: what they write, that they resume, and what they say about bad input."""
 
+import functools
 import json
 import os
 import pathlib
@@ -11,16 +12,17 @@ import time
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from conftest import budget
+from conftest import COMPILED, budget
 
-from baselines import calibrate, results
+from baselines import calibrate, figures, reproduce, results
 from baselines.__main__ import main
 from baselines.avoid_jack import AvoidJack
 from baselines.registry import POLICIES
 from baselines.results import Experiments, run_experiments
 from hav_env import RandomPoses, Task
 
-SHORT = ["--task.max-steps", "300"]
+STEPS = budget(300, 20)
+SHORT = ["--task.max-steps", str(STEPS)]
 
 
 def run(capsys, *arguments):
@@ -82,7 +84,7 @@ def test_a_policy_of_ones_own_is_evaluated_from_its_module(tmp_path, capsys, mon
     monkeypatch.syspath_prepend(examples)
     code, out, _ = run(
         capsys, "evaluate", "avoid_jack", "slow_down:SlowDown", "--episodes", 1,
-        "--scenario", examples / "two_havs.json", "--output", tmp_path,
+        "--scenario", examples / "two_havs.json", "--output", tmp_path, *SHORT,
     )  # fmt: skip
     assert code == 0
     assert "slow_down:SlowDown" in out
@@ -91,7 +93,7 @@ def test_a_policy_of_ones_own_is_evaluated_from_its_module(tmp_path, capsys, mon
 
 def test_an_interrupted_run_resumes_and_ends_with_the_same_bytes(tmp_path, monkeypatch):
     monkeypatch.setattr(results, "PART", 6)  # three episodes of two HAVs
-    experiments = Experiments(AvoidJack(), RandomPoses(num_havs=2), 8, 5, Task(max_steps=200))
+    experiments = Experiments(AvoidJack(), RandomPoses(num_havs=2), 8, 5, Task(max_steps=STEPS))
     whole = run_experiments(experiments, tmp_path / "whole", "pair")
 
     def stop(episodes, steps):
@@ -116,7 +118,7 @@ def test_a_killed_command_resumes_and_ends_with_the_same_bytes(tmp_path, capsys)
     def command(folder):
         return [
             "evaluate", "random", "--episodes", str(episodes), "--output", str(tmp_path / folder),
-            "--task.max-steps", str(budget(50, 10)),
+            "--task.max-steps", str(budget(50, 3)),
         ]  # fmt: skip
 
     process = subprocess.Popen(
@@ -141,7 +143,7 @@ def test_a_killed_command_resumes_and_ends_with_the_same_bytes(tmp_path, capsys)
 
 
 def test_the_number_of_experiments_does_not_change_an_experiment(tmp_path):
-    few = Experiments(AvoidJack(), RandomPoses(), 3, 5, Task(max_steps=200))
+    few = Experiments(AvoidJack(), RandomPoses(), 3, 5, Task(max_steps=STEPS))
     more = few._replace(num_episodes=7)
     first = pq.read_table(run_experiments(few, tmp_path / "few", "a"))
     second = pq.read_table(run_experiments(more, tmp_path / "more", "a"))
@@ -241,6 +243,20 @@ def test_an_unwritable_folder_is_named(tmp_path, capsys):
     assert "file" in err.splitlines()[-1]
 
 
+@pytest.fixture
+def short_experiments(monkeypatch):
+    """Whole episodes take minutes without compilation."""
+    if not COMPILED:
+        short = {"task": Task(max_steps=10)}
+        for module, name in (
+            (calibrate, "Experiments"),
+            (reproduce, "Experiments"),
+            (figures, "draw_all"),
+        ):
+            monkeypatch.setattr(module, name, functools.partial(getattr(module, name), **short))
+
+
+@pytest.mark.usefixtures("short_experiments")
 def test_reproduce_writes_tables_report_and_figures_twice_the_same(tmp_path, capsys):
     folders = [tmp_path / name for name in ("one", "two")]
     for folder, threads in zip(folders, (1, 2), strict=True):
@@ -258,6 +274,7 @@ def test_reproduce_writes_tables_report_and_figures_twice_the_same(tmp_path, cap
         assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes(), name
 
 
+@pytest.mark.usefixtures("short_experiments")
 def test_calibrate_measures_every_choice(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(calibrate, "CHOICES", calibrate.CHOICES[1:2])
     code, out, _ = run(capsys, "calibrate", "--experiments", 1, "--output", tmp_path)

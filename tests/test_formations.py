@@ -80,7 +80,7 @@ def test_rows_of_a_yard_are_bays_of_one_width_side_by_side():
 
 
 def test_all_ways_to_deal_out_bays_are_as_likely_and_rows_are_dealt_one_by_one():
-    many = budget(20_000, 2_000)
+    many = budget(20_000, 400)
     goals = sample(Yard(num_havs=3, num_goals=2), many).goals
     orders = np.argsort(goals[:, :, 0], axis=0)  # (bay, phase, W)
     dealt = collections.Counter(map(bytes, orders.astype(np.uint8).reshape(6, many).T.copy()))

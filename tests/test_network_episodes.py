@@ -7,7 +7,7 @@ import sys
 import gymnasium as gym
 import numpy as np
 import pytest
-from conftest import budget
+from conftest import COMPARED, COMPILED, budget
 from probes.networks import actions_of, pursuing_network, random_network
 
 from baselines.driver import PolicyDriver
@@ -200,6 +200,7 @@ for num_havs, episodes, steps in ((2, 3, 400), (20, 1, 30)):
 """
 
 
+@pytest.mark.skipif(not COMPILED, reason=COMPARED)
 def test_compiled_code_and_pure_python_give_the_same_bits(tmp_path):
     path = tmp_path / "chance.policy"
     save_policy(random_network(9, (7, 5), 1), path, {})
