@@ -261,7 +261,7 @@ def test_reproduce_writes_tables_report_and_figures_twice_the_same(tmp_path, cap
     folders = [tmp_path / name for name in ("one", "two")]
     for folder, threads in zip(folders, (1, 2), strict=True):
         code, out, _ = run(
-            capsys, "reproduce", "--experiments", budget(6, 3), "--seed", 3, "--output", folder,
+            capsys, "reproduce", "--experiments", budget(6, 2), "--seed", 3, "--output", folder,
             "--threads", threads,
         )  # fmt: skip
         assert code == 0

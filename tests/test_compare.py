@@ -1,11 +1,15 @@
 """Policies beside each other: same episodes, same figures as `evaluate`, files that last."""
 
+import functools
+
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from conftest import budget
+from conftest import COMPILED, budget
 
 from baselines.evaluate import compare, read_columns, score, tabulate_scores
+from hav_env import Task
+from train import compare as compare_command
 from train.compare import main
 
 EPISODES = budget(20, 1)
@@ -17,11 +21,26 @@ def run(folder, *more):
     return main([str(word) for word in words])
 
 
+def shorten(patch):
+    """Whole episodes take minutes without compilation."""
+    if not COMPILED:
+        for name in ("Experiments", "record_trajectory"):
+            whole = getattr(compare_command, name)
+            patch.setattr(compare_command, name, functools.partial(whole, task=Task(max_steps=30)))
+
+
+@pytest.fixture(autouse=True)
+def short_episodes(monkeypatch):
+    shorten(monkeypatch)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A comparison that has been made."""
     folder = tmp_path_factory.mktemp("compare")
-    assert run(folder) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        shorten(patch)
+        assert run(folder) == 0
     return folder
 
 

@@ -223,7 +223,7 @@ BUSY = [
 @pytest.mark.parametrize("driver", [random_actions, avoid_jack])
 @pytest.mark.parametrize("settings", BUSY)
 def test_every_observation_of_a_thousand_episodes_is_within_its_bounds(driver, settings):
-    worlds, steps, rounds = budget(250, 3), budget(300, 6), 4
+    worlds, steps, rounds = budget(250, 2), budget(300, 6), budget(4, 2)
     env = HAVSwarmVectorEnv(worlds, max_steps=steps, **settings)
     space, act, ends = env.observation_space, driver(env, np.random.default_rng(2)), 0
     observation, _ = env.reset(seed=7)

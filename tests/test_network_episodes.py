@@ -19,8 +19,8 @@ from hav_env import Batch, RandomPoses, Task, find_scenario
 from hav_env.world import SPEED, STEERING
 from train.sb3_env import HAVVecEnv
 
-STEPS = budget(300, 30)
-EASY = Task(max_steps=budget(6_000, 40), distance_tolerance=5.0, heading_tolerance=1.0)
+STEPS = budget(300, 12)
+EASY = Task(max_steps=budget(6_000, 15), distance_tolerance=5.0, heading_tolerance=1.0)
 TOTALS = ("goals_hit", "steps", "path_length", "largest_articulation", "jackknifed")
 
 
@@ -118,7 +118,7 @@ def test_who_waits_goes_on_with_the_action_from_before_until_the_next_is_due():
 @pytest.mark.parametrize("num_havs", [2, 10])
 def test_a_table_is_the_same_for_threads_batches_and_any_episodes(num_havs):
     """A policy that was trained in pairs drives swarms of any size: it sees the nearest."""
-    policy, task = random_network(4, (8, 5), 1), Task(max_steps=budget(200, 12))
+    policy, task = random_network(4, (8, 5), 1), Task(max_steps=budget(200, 6))
     scenario, episodes = RandomPoses(num_havs), np.arange(budget(40, 9))
 
     def table(chosen, threads):

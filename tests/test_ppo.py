@@ -9,11 +9,12 @@ import pytest
 import torch
 from conftest import COMPILED, budget
 from probes.networks import actions_of
+from probes.trainings import EVALUATED, SIZES, train, words
 
 from baselines.evaluate import figures_of, measure
 from baselines.policy_files import load_policy, load_trained
 from baselines.rollout import rollout
-from hav_env import Reward, Task, find_scenario
+from hav_env import Reward, find_scenario
 from hav_env.report import REPORT
 from train import between, ppo, scores
 from train.between import Between
@@ -21,39 +22,13 @@ from train.curriculum import Curriculum, harm_share
 from train.runs import restore
 from train.scores import HELD_OUT, score
 
-EVALUATED = Task(max_steps=budget(400, 10))
-SIZES = {
-    "decisions": 768,
-    "worlds": 8,
-    "rollout-decisions": 16,
-    "batch-size": 64,
-    "frame-skip": budget(5, 1),
-    "max-steps": budget(40, 8),  # episodes of eight decisions
-    "evaluate-every": 256,
-    "checkpoint-every": 256,
-    "evaluation-episodes": budget(10, 2),
-    "scored-episodes": budget(10, 2),
-    "layers": (8, 6),
-}
+trains_again = pytest.mark.skipif(not COMPILED, reason="trainings like the one that is tested")
 
 
 @pytest.fixture(autouse=True)
 def short_evaluations(monkeypatch):
     """Who is not trained to its end hits no goals: episodes would take their full time."""
     monkeypatch.setattr(scores, "rollout", functools.partial(rollout, task=EVALUATED))
-
-
-def words(folder, **changes):
-    sizes = SIZES | {name.replace("_", "-"): value for name, value in changes.items()}
-    told = ["--preset", "smoke", "--output", str(folder)]
-    for name, value in sizes.items():
-        told += [f"--{name}", *map(str, np.atleast_1d(value))]
-    return told
-
-
-def train(folder, **changes):
-    assert ppo.main(words(folder, **changes)) == 0
-    return folder
 
 
 def arrays_of(folder, name="last.policy"):
@@ -93,12 +68,11 @@ def trained(tmp_path_factory):
 # what is left
 
 
+@trains_again
 def test_the_smoke_preset_does_everything_once(tmp_path, capsys, monkeypatch):
-    if COMPILED:
-        monkeypatch.setattr(scores, "rollout", rollout)
+    monkeypatch.setattr(scores, "rollout", rollout)
     folder = tmp_path / "smoke"
-    small = ["--preset", "smoke", "--output", str(folder)] if COMPILED else words(folder)
-    assert ppo.main(small) == 0
+    assert ppo.main(["--preset", "smoke", "--output", str(folder)]) == 0
     assert f"policy: {folder}/best.policy" in capsys.readouterr().out
     names = [path.name for path in sorted(folder.iterdir()) if "tfevents" not in path.name]
     assert names == ["best.policy", "checkpoint.pt", "curve.json", "last.policy", "run.json"]
@@ -200,6 +174,7 @@ def test_what_is_kept_acts_as_the_learner(scenario, tmp_path):
 # the same again
 
 
+@trains_again
 def test_the_seed_determines_the_weights(trained, tmp_path):
     same, other = train(tmp_path / "same"), train(tmp_path / "other", seed=1)
     assert arrays_of(same) == arrays_of(trained)
@@ -226,7 +201,7 @@ def stop_after(monkeypatch, decisions, error):
     monkeypatch.setattr(Between, "_on_step", stopping)
 
 
-@pytest.mark.parametrize("moments", [(300,), (520, 760), (260, 400, 620)])
+@pytest.mark.parametrize("moments", budget([(300,), (520, 760), (260, 400, 620)], [(520,)]))
 def test_a_training_that_was_killed_ends_as_if_it_had_not_been(
     moments, trained, tmp_path, monkeypatch
 ):
@@ -281,6 +256,7 @@ def test_harm_weighs_what_the_curriculum_says(tmp_path, monkeypatch):
     assert {reward.goal for reward in weights} == {ppo.REWARD.goal}
 
 
+@trains_again
 @pytest.mark.parametrize(
     "changes",
     [

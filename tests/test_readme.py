@@ -4,6 +4,7 @@ import pathlib
 import re
 
 import pytest
+from conftest import budget
 
 from baselines.__main__ import main
 
@@ -24,7 +25,7 @@ def test_the_commands_to_evaluate_run(command, tmp_path, capsys, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "mine.py").write_text(BLOCKS[1])
     arguments = command.replace("examples/", f"{ROOT}/examples/").split()
-    arguments += ["--episodes", "2", "--task.max-steps", "200"]
+    arguments += ["--episodes", "2", "--task.max-steps", str(budget(200, 10))]
     assert main(arguments) == 0
     assert "goal 1 hit" in capsys.readouterr().out
 
@@ -34,7 +35,7 @@ def test_the_commands_to_watch_run(tmp_path, monkeypatch):
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")  # a window that nobody sees
     for command in WATCH:
         recorded = command.startswith("watch pair.npz")
-        short = [] if recorded else ["--task.max-steps", "100"]
+        short = [] if recorded else ["--task.max-steps", str(budget(100, 10))]
         assert main([*command.split(), *short]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"pair.npz", "pair.html", "pair.gif"}
 
@@ -42,5 +43,5 @@ def test_the_commands_to_watch_run(tmp_path, monkeypatch):
 def test_the_two_commands_of_the_top_are_those_of_ci():
     command = "python3 -m venv .venv && .venv/bin/pip install -q -e '.[all]' && .venv/bin/python"
     assert f"{command} -m baselines reproduce" in README
-    assert f"{command} -m pytest" in README
-    assert f"{command} -m pytest" in (ROOT / ".ci/run").read_text()
+    assert f"{command} -m pytest -n 2\n" in README
+    assert f"{command} -m pytest -n 2\n" in (ROOT / ".ci/run").read_text()
