@@ -4,7 +4,7 @@ import pathlib
 import re
 
 import pytest
-from conftest import budget
+from conftest import COMPILED, budget
 
 from baselines.__main__ import main
 
@@ -15,6 +15,7 @@ EVALUATE = re.findall(r"^python -m baselines (evaluate .*)$", README, re.MULTILI
 WATCH = re.findall(r"^python -m baselines (watch .*)$", README, re.MULTILINE)
 
 
+@pytest.mark.skipif(not COMPILED, reason="a thousand worlds at a time")
 def test_the_python_example_runs(capsys):
     exec(compile(BLOCKS[0], "README.md", "exec"), {})
     assert capsys.readouterr().out == "(1024, 2, 68) 8\n"

@@ -24,7 +24,7 @@ def trajectory() -> Trajectory:
 
 
 def test_the_events_are_those_of_the_rollout():
-    task, scenario = Task(max_steps=budget(1_500, 300)), RandomPoses(num_havs=10)
+    task, scenario = Task(max_steps=budget(1_500, 60)), RandomPoses(num_havs=10)
     table = rollout(AvoidJack(), scenario, 0, np.array([3]), task)
     found = record_trajectory(AvoidJack(), scenario, 0, 3, task)
     for event, name in ((JACKKNIFE, "jackknife"), (POTENTIAL, "potential_collision")):

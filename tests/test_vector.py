@@ -8,7 +8,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from hav_env import Observation, Task
 
-NUM_WORLDS, STEPS = 5, budget(60, 12)
+NUM_WORLDS, STEPS = budget(5, 3), budget(60, 12)
 SWARM, SINGLE = "hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0"
 SHORT = {"max_steps": 7}
 # goals are hit at different times, so that worlds of one vector end one after the other
