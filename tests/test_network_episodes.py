@@ -19,7 +19,7 @@ from hav_env import Batch, RandomPoses, Task, find_scenario
 from hav_env.world import SPEED, STEERING
 from train.sb3_env import HAVVecEnv
 
-STEPS = budget(300, 12)
+STEPS = budget(300, 15)  # whole numbers of held actions
 EASY = Task(max_steps=budget(6_000, 15), distance_tolerance=5.0, heading_tolerance=1.0)
 TOTALS = ("goals_hit", "steps", "path_length", "largest_articulation", "jackknifed")
 
