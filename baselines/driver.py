@@ -19,7 +19,7 @@ class PolicyDriver:
             ValueError, TypeError: when there is no such policy, or it cannot drive these HAVs.
         """
         self.policy = find_policy(policy)() if isinstance(policy, str) else policy
-        check_policy(self.policy, batch.scenario)
+        check_policy(self.policy, batch.scenario, batch.task, batch.vehicle)
         self.batch = batch
         self.memory = allocate_memory(self.policy, batch.scenario.num_havs, batch.num_worlds)
 

@@ -5,9 +5,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from hav_env import Batch
+from hav_env import Batch, OnAxle, Task
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
 from hav_env.lanes import LANES, block_of, moving_block
+from hav_env.sensing import neighbor_id
 from hav_env.world import NEVER
 
 
@@ -91,9 +92,33 @@ def memory_size(policy) -> int:
     return 0
 
 
+@functools.singledispatch
+def broadcast_size(policy) -> int:
+    """Return B, how many of the numbers that a HAV keeps are for others to hear: its first ones.
+
+    Everybody else's other numbers are private. HAVs decide one after another, in the order of
+    their numbers, on the state before the step: of those before it a HAV hears what they have just
+    decided, of those behind it what they decided in the step before.
+    """
+    return 0
+
+
+@kernel
+def heard(memory, world, agent, k, number, lane):
+    """Return one of the numbers that neighbour ``k`` broadcasts; nobody out of range is heard."""
+    return memory[neighbor_id(world, agent, k, lane), number, lane]
+
+
 def allocate_memory(policy, num_havs: int, num_worlds: int) -> np.ndarray:
-    """Return the memory (N, K, W) of a policy at the beginning of an episode."""
-    return np.zeros((num_havs, memory_size(policy), num_worlds))
+    """Return the memory (N, K, W) of a policy at the beginning of an episode; W is at least 2.
+
+    The numbers of all lanes lie together for a policy that acts on lanes, otherwise those of a HAV.
+    """
+    size = memory_size(policy)
+    if type(policy) in act_lanes.table:
+        return np.zeros((num_havs, size, num_worlds))
+    # a gap, and never one lane, so that NumPy never finds them in order: that is compiled anew
+    return np.zeros((num_havs, max(num_worlds, 2), size + 1)).transpose(0, 2, 1)[:, :size]
 
 
 def find_kernel(model_class: type) -> Callable | None:
@@ -101,8 +126,8 @@ def find_kernel(model_class: type) -> Callable | None:
     return act.table.get(model_class) or act_lanes.table.get(model_class)
 
 
-def check_policy(policy, scenario) -> None:
-    """Check a policy before it is used in a scenario.
+def check_policy(policy, scenario, task=Task(), vehicle=OnAxle()) -> None:
+    """Check a policy before it is used in a scenario, under rules, on a kind of vehicle.
 
     Raises:
         TypeError: when its type has no kernel.
@@ -114,6 +139,7 @@ def check_policy(policy, scenario) -> None:
         if not np.isfinite(value).all():
             raise ValueError(f"policy {field} is {value}, but must be finite")
     check_parameters(policy, scenario)
+    check_rules(policy, task, vehicle)
 
 
 @functools.singledispatch
@@ -121,6 +147,14 @@ def check_parameters(policy, scenario) -> None:
     """Check what one kind of policy demands of its parameters and the scenario's limits.
 
     Registered by policies that demand more than finite numbers; raises ValueError.
+    """
+
+
+@functools.singledispatch
+def check_rules(policy, task, vehicle) -> None:
+    """Check what one kind of policy demands of the rules of an episode and of the kinematics.
+
+    Registered by policies that predict what a step will lead to; raises ValueError.
     """
 
 

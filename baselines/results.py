@@ -74,7 +74,8 @@ def run_experiments(
     check_scenario(experiments.scenario)
     check_task(experiments.task)
     check_vehicle(experiments.vehicle)
-    check_policy(experiments.policy, experiments.scenario)
+    policy, scenario = experiments.policy, experiments.scenario
+    check_policy(policy, scenario, experiments.task, experiments.vehicle)
     if threads is not None:
         check_at_least_one("threads", threads)
     parts = folder / f"{name}.parts"

@@ -20,9 +20,10 @@ from hav_env.compiled import (
 from hav_env.lanes import LANES, block_of, exchange_lanes, exchange_worlds
 from hav_env.transition import ended, remove_arrived, step
 from hav_env.vehicles import OnAxle
-from hav_env.world import FEW, allocate_worlds
+from hav_env.world import FEW, PHASE, allocate_worlds
 
 _SHARES = 4  # of each thread
+_MUCH = 100  # numbers that a HAV remembers
 
 
 @entry
@@ -81,9 +82,10 @@ def _exchange(stage, places, memory, lane, other):
 def _arrange(stage, places, memory, active):
     """Sort lanes by who waits in them, so that loops may pass over lanes in which a HAV waits.
 
-    In large swarms somebody else waits in every lane, and sorting costs more than it gives.
+    In large swarms somebody else waits in every lane, and sorting costs more than it gives; so it
+    does where HAVs remember much, which is moved along.
     """
-    if not 1 < stage.state.x.shape[0] <= FEW:
+    if not 1 < stage.state.x.shape[0] <= FEW or memory.shape[1] > _MUCH:
         return
     for lane in range(active):
         chosen = lane
@@ -128,7 +130,7 @@ def rollout(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when a scenario has no room for its HAVs.
     """
-    check_policy(policy, scenario)
+    check_policy(policy, scenario, task, vehicle)
     if len(episodes) == 0:
         raise ValueError("episodes is empty, but must hold at least one number")
     batch = Batch(scenario, len(episodes), task, vehicle, threads)
@@ -159,6 +161,8 @@ def _roll(policy, batch: Batch, order: np.ndarray) -> None:
     num_havs, num_units, _ = batch.worlds.state.heading.shape
     lanes = min(len(order), max(VECTOR, LANES // num_havs))
     stage = allocate_worlds(lanes, num_havs, num_units, batch.scenario.num_goals)
+    # so that nobody moves in lanes that are idle
+    stage.state.waiting[:], stage.state.clock[PHASE] = True, batch.scenario.num_goals - 1
     rollout_worlds(
         len(order),
         policy,

@@ -56,7 +56,7 @@ def record_trajectory(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when the scenario has no room for its HAVs.
     """
-    check_policy(policy, scenario)
+    check_policy(policy, scenario, task, vehicle)
     if every < 1:
         raise ValueError(f"every is {every}, but must be at least 1")
     batch = Batch(scenario, 1, task, vehicle)

@@ -6,7 +6,7 @@ over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of
 """
 
 from hav_env.compiled.entries import canonical, entry
-from hav_env.compiled.instructions import bits_of, fixed, float_of, fma, lanes_from
+from hav_env.compiled.instructions import bits_of, contiguous, fixed, float_of, fma, lanes_from
 from hav_env.compiled.kernels import generic, kernel, rare_kernel
 from hav_env.compiled.sources import source_digest, source_of
 from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
@@ -15,6 +15,7 @@ __all__ = [
     "VECTOR",
     "bits_of",
     "canonical",
+    "contiguous",
     "default_threads",
     "entry",
     "fixed",

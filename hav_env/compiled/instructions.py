@@ -39,12 +39,20 @@ def float_of(bits):
 
 
 def lanes_from(array, first):
-    """Return ``array[..., first:]``, whose last axis compiled code knows to be contiguous.
+    """Return ``array[..., first:]`` as an array of the same type.
 
     Compiled, only the address moves on: the shape stays, and the lanes that it has too many must
     not be touched.
     """
     return array[..., first:]
+
+
+def contiguous(row):
+    """Return an array of one axis whose elements lie together, as one that is known to do so.
+
+    Elsewhere compiled code multiplies by the distance between elements wherever it reads one.
+    """
+    return row
 
 
 def fixed(row):
@@ -61,6 +69,7 @@ type_callable(fma)(lambda context: lambda x, y, z: numba.float64)
 type_callable(bits_of)(lambda context: lambda value: numba.int64)
 type_callable(float_of)(lambda context: lambda bits: numba.float64)
 type_callable(lanes_from)(lambda context: lambda array, first: array)
+type_callable(contiguous)(lambda context: lambda row: row.copy(layout="C"))
 type_callable(fixed)(lambda context: lambda row: numba.int64)
 
 
@@ -82,8 +91,24 @@ def _lower_float_of(context, builder, signature, arguments):
 @lower_builtin(lanes_from, numba.types.Array, numba.types.Integer)
 def _lower_lanes_from(context, builder, signature, arguments):
     view = cgutils.create_struct_proxy(signature.args[0])(context, builder, arguments[0])
-    view.data = builder.gep(view.data, [arguments[1]])
+    if signature.args[0].layout == "C":
+        view.data = builder.gep(view.data, [arguments[1]])
+    else:
+        stride = cgutils.unpack_tuple(builder, view.strides)[-1]
+        offset = builder.mul(arguments[1], stride)
+        view.data = cgutils.pointer_add(builder, view.data, offset)
     return view._getvalue()
+
+
+@lower_builtin(contiguous, numba.types.Array)
+def _lower_contiguous(context, builder, signature, arguments):
+    (given,) = signature.args
+    view = cgutils.create_struct_proxy(given)(context, builder, arguments[0])
+    row = cgutils.create_struct_proxy(signature.return_type)(context, builder)
+    for field in ("meminfo", "parent", "nitems", "itemsize", "data", "shape"):
+        setattr(row, field, getattr(view, field))
+    row.strides = cgutils.pack_array(builder, [view.itemsize])
+    return row._getvalue()
 
 
 @lower_builtin(fixed, numba.types.Integer)

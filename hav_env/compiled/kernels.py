@@ -6,7 +6,7 @@ from typing import Any
 
 from numba.extending import overload
 
-from hav_env.compiled.parts import Part, Whole, compiler_into
+from hav_env.compiled.parts import Part, RarePart, Whole, compiler_into
 from hav_env.compiled.sources import note_sources
 
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
@@ -19,6 +19,8 @@ _CALLED = _OPTIONS | {
     "no_cfunc_wrapper": True,
 }
 _INLINED = _CALLED | {"forceinline": True}
+# said, for otherwise Numba takes over what holds for the caller
+_RARE = _CALLED | {"forceinline": False, "pipeline_class": compiler_into(RarePart)}
 
 
 def kernel(function: Callable) -> Callable:
@@ -36,7 +38,7 @@ def kernel(function: Callable) -> Callable:
 def rare_kernel(function: Callable) -> Callable:
     """Let a function be compiled, but called: what seldom happens need not be repeated."""
     note_sources(function)
-    overload(function, strict=False, jit_options=_CALLED)(lambda *args: function)
+    overload(function, strict=False, jit_options=_RARE)(lambda *args: function)
     return function
 
 

@@ -39,6 +39,16 @@ class Part(Whole):
         pass
 
 
+class RarePart(Part):
+    """The code of a kernel that is called: LLVM would put copies of it wherever it is."""
+
+    def add_ir_module(self, ir_module):
+        for function in ir_module.functions:
+            if not function.is_declaration:
+                set.add(function.attributes, "noinline")
+        super().add_ir_module(ir_module)
+
+
 def compiler_into(library_class: type) -> type:
     """Return Numba's compiler, but for where the code goes.
 
