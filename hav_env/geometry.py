@@ -63,3 +63,34 @@ def segments_intersect(ax, ay, bx, by, cx, cy, dx, dy):
         or (a_side == 0 and _in_box(cx, cy, dx, dy, ax, ay))
         or (b_side == 0 and _in_box(cx, cy, dx, dy, bx, by))
     )
+
+
+@kernel
+def point_segment_squared(px, py, ax, ay, bx, by):
+    """Return the squared distance [m^2] from p to the segment a-b, which may be a point."""
+    dx, dy = bx - ax, by - ay
+    squared = dx * dx + dy * dy
+    along = (px - ax) * dx + (py - ay) * dy
+    share = clip(along / squared, 0.0, 1.0) if squared > 0.0 else 0.0
+    x, y = ax + share * dx - px, ay + share * dy - py
+    return x * x + y * y
+
+
+@kernel
+def segments_apart(ax, ay, bx, by, cx, cy, dx, dy, margin):
+    """Tell whether the segments a-b and c-d keep more than a margin [m] from each other."""
+    if (
+        max(ax, bx) + margin < min(cx, dx)
+        or max(cx, dx) + margin < min(ax, bx)
+        or max(ay, by) + margin < min(cy, dy)
+        or max(cy, dy) + margin < min(ay, by)
+    ):
+        return True
+    squared = margin * margin
+    return (
+        point_segment_squared(ax, ay, cx, cy, dx, dy) > squared
+        and point_segment_squared(bx, by, cx, cy, dx, dy) > squared
+        and point_segment_squared(cx, cy, ax, ay, bx, by) > squared
+        and point_segment_squared(dx, dy, ax, ay, bx, by) > squared
+        and not segments_intersect(ax, ay, bx, by, cx, cy, dx, dy)
+    )
