@@ -52,11 +52,20 @@ def new_figure(height: float, width: float = _WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def save_figure(figure: Figure, folder: str | os.PathLike, name: str) -> list[str]:
+def save_figure(
+    figure: Figure,
+    folder: str | os.PathLike,
+    name: str,
+    kinds: tuple[str, ...] = ("png", "svg"),
+) -> list[str]:
     """Write name.png and name.svg, each whole or not at all; equal figures give equal bytes.
 
+    Args:
+        figure, folder, name: what to write, and where; the folder is made.
+        kinds: which of the two files.
+
     Returns:
-        The names of the two files.
+        The names of the files.
     """
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -66,13 +75,13 @@ def save_figure(figure: Figure, folder: str | os.PathLike, name: str) -> list[st
         "svg": {"metadata": {"Date": None, "Creator": None}},
     }
     names = []
-    for kind, option in options.items():
+    for kind in kinds:
         names.append(f"{name}.{kind}")
         with (
             whole_file(folder / names[-1]) as unfinished,
             mpl.rc_context({"svg.hashsalt": "hav_env"}),
         ):
-            figure.savefig(unfinished, format=kind, **option)
+            figure.savefig(unfinished, format=kind, **options[kind])
     return names
 
 

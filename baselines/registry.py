@@ -11,6 +11,7 @@ from baselines.policy import find_kernel
 from baselines.policy_files import SUFFIX, load_policy
 from baselines.pursuit import DubinsPursuit
 from baselines.random_actions import Random
+from baselines.reserve import Reserve
 
 TRAINED = {
     name: pathlib.Path(__file__).parent / "policies" / f"{name}{SUFFIX}"
@@ -21,6 +22,7 @@ POLICIES: dict[str, Callable[[], Any]] = {
     "avoid_jack": AvoidJack,
     "dubins_pursuit": DubinsPursuit,
     "random": Random,
+    "reserve": Reserve,
     **{name: functools.partial(load_policy, path) for name, path in TRAINED.items()},
 }
 KNOWN = f"{', '.join(POLICIES)}, FILE{SUFFIX}, module:Class"

@@ -14,11 +14,13 @@ from baselines.metrics import tabulate
 from baselines.policy import allocate_memory, decide
 from baselines.pursuit import DubinsPursuit
 from baselines.random_actions import Random
+from baselines.reserve import Reserve
 from baselines.rollout import rollout
 from hav_env import Batch, RandomPoses, Task, explicit
 from hav_env.compiled import default_threads
 
-POLICIES = [AvoidJack(), DubinsPursuit(), Random(), Weaving()]
+# what Reserve does in plain Python is compared below
+POLICIES = [AvoidJack(), DubinsPursuit(), Random(), Weaving(), *[Reserve()] * COMPILED]
 SWARMS = {1: (400, 12), 2: (400, 12), 20: (60, 2)}  # HAVs: steps, compiled and not
 
 
@@ -86,13 +88,36 @@ def test_a_rollout_is_a_loop_of_decisions_and_steps(policy, num_havs):
         assert text(table) == text(python_loop(policy, scenario, 5, episode, task))
 
 
-@pytest.mark.parametrize("policy", [AvoidJack(evasion_release=1.5), Weaving(gain=0.02)], ids=named)
+@pytest.mark.parametrize(
+    "policy", [AvoidJack(evasion_release=1.5), Weaving(gain=0.02), Reserve()], ids=named
+)
 def test_a_rollout_is_that_loop_when_somebody_waits(policy):
     task = Task(max_steps=300)
     table = rollout(policy, TOGETHER, 5, np.array([0]), task)
     moving, steps = table["moving_steps"].to_pylist(), table["steps"].to_pylist()
     assert min(moving) < min(steps)  # somebody has waited
     assert text(table) == text(python_loop(policy, TOGETHER, 5, 0, task))
+
+
+def test_a_rollout_is_that_loop_over_many_worlds():
+    """Blocks of lanes, and HAVs that wait in the first of them, so that loops begin later."""
+    scenario, worlds = RandomPoses(num_havs=2, num_goals=1), budget(150, 10)
+    task = Task(max_steps=budget(600, 10), distance_tolerance=8.0, heading_tolerance=1.0)
+    policy = Reserve(distance_tolerance=8.0, heading_tolerance=1.0)
+    tried = rollout(policy, scenario, 6, np.arange(worlds), task)
+    episodes = np.argsort(tried["steps"].to_numpy()[::2], kind="stable")  # the quick ones first
+    batch = Batch(scenario, worlds, task)
+    batch.reset(6, episodes)
+    state = batch.worlds.state
+    start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)
+    memory, begun_late = allocate_memory(policy, 2, worlds), False
+    while not batch.ended.all():
+        begun_late = begun_late or (state.waiting[0, :8].all() and not state.waiting[0].all())
+        batch.step(*decide(policy, memory, batch))
+    table = rollout(policy, scenario, 6, episodes, task)
+    assert begun_late or not COMPILED
+    goals = [name for name in table.column_names if name.endswith(("_hit", "goal_1_step", "path"))]
+    assert text(table.select(goals)) == text(tabulate(batch.worlds, start, policy).select(goals))
 
 
 @pytest.mark.parametrize("policy", POLICIES[:3], ids=named)
@@ -105,9 +130,13 @@ import numpy as np
 from baselines.avoid_jack import AvoidJack
 from baselines.pursuit import DubinsPursuit
 from baselines.random_actions import Random
+from baselines.reserve import Reserve
 from baselines.rollout import rollout
 from hav_env import RandomPoses, Task
 
+for num_havs, episodes, steps in ((1, 2, 400), (2, 1, 100), (5, 1, 20)):
+    scenario, task = RandomPoses(num_havs=num_havs, area_factor=2.0), Task(max_steps=steps)
+    print(repr(rollout(Reserve(), scenario, 21, np.arange(episodes), task).to_pydict()))
 for policy in (AvoidJack(), DubinsPursuit(), Random()):
     for num_havs, episodes, steps in ((1, 3, 400), (2, 2, 400), (20, 1, 30)):
         scenario, task = RandomPoses(num_havs=num_havs), Task(max_steps=steps)

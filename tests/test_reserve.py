@@ -1,0 +1,51 @@
+"""Reserve neither jackknifes nor collides: every step is looked at by an audit of its own."""
+
+import math
+
+import numpy as np
+import pytest
+from audit import drive
+from conftest import budget
+
+from baselines.driver import PolicyDriver
+from baselines.policy import check_policy
+from baselines.reserve import Reserve
+from baselines.rollout import rollout
+from hav_env import Batch, OnAxle, RandomFleet, RandomPoses, Task
+
+
+@pytest.mark.parametrize(("num_havs", "area_factor"), [(2, 4.0), (2, 2.0), (5, 2.0), (10, 2.0)])
+def test_no_jackknife_and_no_collision(num_havs, area_factor):
+    scenario = RandomPoses(num_havs=num_havs, area_factor=area_factor)
+    drive(scenario, 11, range(budget(6, 1)), budget(1200, 5)).approve()
+
+
+def test_a_hav_that_is_alone_arrives_at_both_goals_and_never_jackknifes():
+    episodes = range(budget(20, 1))
+    seen = drive(RandomPoses(num_havs=1), 12, episodes, budget(3000, 20))
+    assert seen.largest.max() < np.pi / 2 - Reserve().articulation_margin + 1e-9
+    assert budget(seen.worlds.state.waiting.all(), True)
+
+
+@pytest.mark.parametrize(
+    ("task", "vehicle", "said"),
+    [
+        (Task(dt=0.1), OnAxle(), "policy dt is 0.2, but must be the task's, 0.1"),
+        (Task(distance_tolerance=0.2), OnAxle(), "policy distance_tolerance is 0.5, but must be"),
+        (Task(heading_tolerance=0.05), OnAxle(), "policy heading_tolerance is 0.1, but must be"),
+        (Task(), OnAxle(simultaneous=True), "but Reserve predicts every step of OnAxle"),
+    ],
+)
+def test_rules_that_it_does_not_know_are_refused(task, vehicle, said):
+    scenario = RandomPoses(num_havs=2)
+    with pytest.raises(ValueError, match=said):
+        rollout(Reserve(), scenario, 1, np.arange(1), task, vehicle)
+    with pytest.raises(ValueError, match=said):
+        PolicyDriver("reserve", Batch(scenario, 1, task, vehicle))
+    check_policy(Reserve(), scenario, Task(distance_tolerance=1.0))
+
+
+def test_a_margin_that_leaves_no_articulation_is_refused():
+    scenario = RandomPoses(fleet=RandomFleet(articulation_max=math.radians(1.0)))
+    with pytest.raises(ValueError, match="articulation_margin"):
+        check_policy(Reserve(), scenario)
