@@ -4,7 +4,8 @@
 |---|---|
 | ``paper-single`` | the paper's with one HAV: random start, two random goals |
 | ``paper-pair`` | the paper's with two HAVs, in a square four times as large as their footprints |
-| ``swarm-10``, ``-50``, ``-200`` | the same with so many HAVs |
+| ``swarm-5``, ``-10``, ``-20``, ``-50``, ``-200`` | the same with so many HAVs |
+| ``dense-2``, ``-5``, ``-10``, ``-20``, ``-50`` | the same in half the area |
 | ``crossing-2``, ``-8`` | so many HAVs on a circle, through its centre to the other side |
 | ``yard-4``, ``-10`` | from a row of so many bays into random bays opposite |
 | ``column-5`` | five HAVs one behind the other, 200 m straight on |
@@ -30,9 +31,8 @@ from hav_env.scenarios import (
 SCENARIOS: dict[str, Any] = {
     "paper-single": RandomPoses(num_havs=1),
     "paper-pair": RandomPoses(num_havs=2),
-    "swarm-10": RandomPoses(num_havs=10),
-    "swarm-50": RandomPoses(num_havs=50),
-    "swarm-200": RandomPoses(num_havs=200),
+    **{f"swarm-{n}": RandomPoses(num_havs=n) for n in (5, 10, 20, 50, 200)},
+    **{f"dense-{n}": RandomPoses(num_havs=n, area_factor=2.0) for n in (2, 5, 10, 20, 50)},
     "crossing-2": Crossing(num_havs=2),
     "crossing-8": Crossing(num_havs=8),
     "yard-4": Yard(num_havs=4),

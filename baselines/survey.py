@@ -1,0 +1,285 @@
+"""All policies from one HAV to swarms: ``python -m baselines.survey``.
+
+Every policy gets the same episodes, which no policy of this project was made with. Worlds that
+start with chains that touch, or with goals whose trucks would cross, are counted apart for every
+policy alike: there no policy can do all that is asked. An interrupted survey goes on where it
+stopped.
+"""
+
+import dataclasses
+import math
+import pathlib
+import sys
+from typing import NamedTuple
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from baselines.evaluate import markdown
+from baselines.files import write_text
+from baselines.progress import Progress
+from baselines.registry import find_policy
+from baselines.results import Experiments, run_experiments
+from baselines.statistics import wilson
+from hav_env import Task, find_scenario
+from hav_env.command_line import parse_options
+from hav_env.dubins import path_length
+
+_WIDER = 1.02  # than the tightest circle that trailers and truck can drive on for ever
+
+
+class Entry(NamedTuple):
+    """A scenario of the survey, and on how many episodes and steps it is looked at."""
+
+    scenario: str
+    episodes: int
+    max_steps: int = 20_000
+    policies: tuple[str, ...] = ("avoid_jack", "dubins_pursuit", "ppo_pair", "reserve")
+
+
+_LONG = ("avoid_jack", "reserve")
+SURVEY = (
+    Entry(
+        "paper-single", 4_500, policies=("avoid_jack", "dubins_pursuit", "ppo_single", "reserve")
+    ),
+    Entry("paper-pair", 4_500),
+    Entry("dense-2", 4_500),
+    Entry("swarm-5", 400),
+    Entry("dense-5", 400),
+    Entry("swarm-10", 200),
+    Entry("dense-10", 200),
+    Entry("swarm-20", 100),
+    Entry("dense-20", 100),
+    Entry("swarm-50", 8, 60_000, _LONG),
+    Entry("dense-50", 8, 60_000, _LONG),
+    Entry("swarm-200", 2, 60_000, _LONG),
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Options:
+    """What to look at."""
+
+    scenarios: tuple[str, ...] = tuple(entry.scenario for entry in SURVEY)
+    """Which of the survey's scenarios."""
+    policies: tuple[str, ...] = ()
+    """Names, files, or module:Class; by default those that the survey has for each scenario."""
+    share: float = 1.0
+    """Of the episodes, to see something soon; at least one is run."""
+    seed: int = 2026
+    """Of the episodes."""
+    output: pathlib.Path = pathlib.Path("results/survey")
+    """Folder of the results."""
+    threads: int | None = None
+    """How many; by default HAV_THREADS or all cores."""
+    overwrite: bool = False
+    """Discard what an earlier run left in the folder."""
+
+
+class Findings(NamedTuple):
+    """What came of a policy in a scenario."""
+
+    jackknifed: int
+    collided: int
+    hits: tuple[int, ...]
+    """How many HAVs hit each goal."""
+    size: int
+    """HAVs in worlds in which all can be done."""
+    apart: int
+    """Worlds that are counted apart ..."""
+    hits_apart: tuple[int, ...]
+    """... and the goals that were hit there, of ``apart`` worlds of ``num_havs``."""
+    steep: float
+    """Mean time to all goals, of HAVs that hit them, in shortest times at the truck's radius."""
+    stable: float
+    """Mean time to the first goal, in shortest times at a radius that can be driven on for ever."""
+
+
+def main(words: list[str] | None = None) -> int:
+    """Survey; return the exit code. What is wrong is said in one line."""
+    try:
+        words = sys.argv[1:] if words is None else words
+        usage, about = "python -m baselines.survey", "All policies from one HAV to swarms."
+        report = survey(parse_options(Options, usage, about, words, Options()))
+    except (ValueError, TypeError, OSError) as error:
+        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted: the same command goes on where this one stopped", file=sys.stderr)
+        return 130
+    print(report)
+    return 0
+
+
+def survey(options: Options) -> str:
+    """Run what has not been run; return the table in Markdown, which is written too.
+
+    Raises:
+        ValueError, TypeError, OSError: when options are wrong, or the folder holds other results or
+            cannot be written.
+    """
+    entries = {entry.scenario: entry for entry in SURVEY}
+    for name in options.scenarios:
+        if name not in entries:
+            raise ValueError(f"scenarios has {name!r}, which is none of {', '.join(entries)}")
+    check_share(options.share)
+    chosen = []
+    for name in options.scenarios:
+        entry = entries[name]
+        for policy in options.policies or entry.policies:
+            chosen.append((entry, policy, find_policy(policy)()))
+    counts = {name: max(1, round(options.share * entries[name].episodes)) for name in entries}
+    rows = [list(HEAD)]
+    with Progress(sum(counts[entry.scenario] for entry, _, _ in chosen)) as progress:
+        for entry, name, policy in chosen:
+            scenario, count = find_scenario(entry.scenario), counts[entry.scenario]
+            job = Experiments(
+                policy, scenario, count, options.seed, Task(max_steps=entry.max_steps)
+            )
+            label = f"{entry.scenario}-{pathlib.PurePath(name).stem.replace(':', '-')}"
+            path = run_experiments(
+                job, options.output, label, options.threads, options.overwrite, progress.advance
+            )
+            found = look_at(pq.read_table(path), scenario.fleet)
+            rows.append(row_of(entry.scenario, name, found))
+    report = markdown(rows)
+    write_text(report, options.output / "report.md")
+    return report
+
+
+def check_share(share: float) -> None:
+    """Raise ValueError unless this can be a share of the episodes."""
+    if not 0 < share <= 1:
+        raise ValueError(f"share is {share}, but must be above 0 and at most 1")
+
+
+def look_at(table: pa.Table, fleet) -> Findings:
+    """Return what came of a policy.
+
+    Args:
+        table: of ``baselines.rollout``, whole episodes.
+        fleet: of the scenario, for the limits of speed and steering.
+    """
+    num_havs = int(np.max(table["hav"].to_numpy())) + 1
+    goals = sum(name.endswith("_dubins_length") for name in table.column_names)
+    apart = np.repeat(starts_touching(table, num_havs) | goals_crossing(table, num_havs), num_havs)
+    hit = np.stack([_column(table, f"goal_{g + 1}_hit") > 0 for g in range(goals)])
+    last = _column(table, f"goal_{goals}_step")
+    steep, stable = shortest_times(table, fleet)
+    done, started = ~apart & hit.all(0) & (steep.sum(0) > 0), ~apart & hit[0]
+    return Findings(
+        int(_column(table, "jackknifed")[~apart].sum()),
+        int(_column(table, "actual_collision")[~apart].sum()),
+        tuple(int(row[~apart].sum()) for row in hit),
+        int((~apart).sum()),
+        int(apart.sum()) // num_havs,
+        tuple(int(row[apart].sum()) for row in hit),
+        _share(last[done].sum(), steep.sum(0)[done].sum()) if num_havs == 1 else math.nan,
+        _share(_column(table, "goal_1_step")[started].sum(), stable[0][started].sum()),
+    )
+
+
+def _share(part: float, whole: float) -> float:
+    return float(part / whole) if whole > 0 else math.nan
+
+
+def _column(table: pa.Table, name: str) -> np.ndarray:
+    return table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
+
+
+def starts_touching(table: pa.Table, num_havs: int) -> np.ndarray:
+    """Tell in which worlds chains touch at the start, (W,)."""
+    if num_havs == 1:
+        return np.zeros(table.num_rows, bool)
+    return (_column(table, "actual_collision_step") == 0).reshape(-1, num_havs).any(1)
+
+
+def goals_crossing(table: pa.Table, num_havs: int) -> np.ndarray:
+    """Tell in which worlds two trucks that stood at their goals would cross, (W,)."""
+    crossing = np.zeros(table.num_rows // num_havs, bool)
+    length = _column(table, "truck_length").reshape(-1, num_havs)
+    goal = 1
+    while f"goal_{goal}_x" in table.column_names:
+        x, y, heading = (
+            _column(table, f"goal_{goal}_{what}").reshape(-1, num_havs)
+            for what in ("x", "y", "heading")
+        )
+        rear = x + 1j * y
+        front = rear + length * np.exp(1j * heading)
+        for first in range(num_havs):
+            a, b = rear[:, first, None], front[:, first, None]
+            c, d = rear[:, first + 1 :], front[:, first + 1 :]
+            apart = (_side(a, b, c) * _side(a, b, d) > 0) | (_side(c, d, a) * _side(c, d, b) > 0)
+            crossing |= (~apart).any(1)
+        goal += 1
+    return crossing
+
+
+def _side(a, b, p):
+    """Return a number above 0 where p is to the left of the way from a to b; all are complex."""
+    return ((b - a).conjugate() * (p - a)).imag
+
+
+def shortest_times(table: pa.Table, fleet) -> tuple[np.ndarray, np.ndarray]:
+    """Return how many steps the shortest paths to the goals take, each (G, R).
+
+    The second and later ones are from the goal before. The first array is for the truck's own
+    radius, l^0 / tan(phi^max), the second for 1.02 times the one on which its trailers too can go
+    round for ever, max(sqrt(sum (l^j)^2), l^0 / tan(phi^max)).
+    """
+    step = fleet.speed_max * Task().dt
+    truck = _column(table, "truck_length")
+    lengths = table["trailer_lengths"].to_pylist()
+    trailers = np.array([math.hypot(*of_one) for of_one in lengths])
+    own = truck / math.tan(fleet.steering_max)
+    poses = [np.stack([_column(table, f"start_{what}") for what in ("x", "y", "heading")], 1)]
+    steps: list[list[np.ndarray]] = [[], []]
+    while f"goal_{len(poses)}_x" in table.column_names:
+        goal = f"goal_{len(poses)}_"
+        poses.append(np.stack([_column(table, goal + what) for what in ("x", "y", "heading")], 1))
+        start, end = poses[-2:]
+        dx, dy = (end - start)[:, :2].T
+        seen = (dx + 1j * dy) * np.exp(-1j * start[:, 2])
+        turn = end[:, 2] - start[:, 2]
+        for times, radius in zip(steps, (own, _WIDER * np.maximum(own, trailers)), strict=True):
+            shortest = map(path_length, seen.real, seen.imag, turn, radius)
+            times.append(np.fromiter(shortest, float, len(truck)) / step)
+    return np.array(steps[0]), np.array(steps[1])
+
+
+HEAD = (
+    "scenario",
+    "policy",
+    "HAVs",
+    "jackknifed",
+    "collided",
+    "goal 1",
+    "goal 2",
+    "time / shortest",
+    "apart: worlds, goals hit",
+)
+
+
+def row_of(scenario: str, policy: str, found: Findings) -> list[str]:
+    """Return a row of the table."""
+
+    def share(count: int) -> str:
+        return wilson(count, found.size).show(percent=True)
+
+    time = found.stable if math.isnan(found.steep) else found.steep
+    hits = ", ".join(map(str, found.hits_apart))
+    return [
+        scenario,
+        policy,
+        str(found.size),
+        share(found.jackknifed),
+        share(found.collided),
+        *map(share, found.hits),
+        f"{time:.3f}",
+        f"{found.apart}: {hits}" if found.apart else "0",
+    ]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
