@@ -10,23 +10,39 @@ from hav_env import Batch
 
 
 class PolicyDriver:
-    """Decides for all HAVs of a batch; keeps the policy's memory."""
+    """Decides for HAVs of a batch; keeps the policy's memory."""
 
-    def __init__(self, policy: Any, batch: Batch) -> None:
+    def __init__(self, policy: Any, batch: Batch, first: int = 0) -> None:
         """Take a policy, or the name of one: then its parameters are the defaults.
+
+        Args:
+            policy, batch: what drives whom.
+            first: the HAVs before this one are driven otherwise: they are not asked, and the
+                policy's memory of them, which others may hear, stays empty.
 
         Raises:
             ValueError, TypeError: when there is no such policy, or it cannot drive these HAVs.
         """
         self.policy = find_policy(policy)() if isinstance(policy, str) else policy
         check_policy(self.policy, batch.scenario, batch.task, batch.vehicle)
-        self.batch = batch
+        self.batch, self.first = batch, first
         self.memory = allocate_memory(self.policy, batch.scenario.num_havs, batch.num_worlds)
 
     def decide(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return speed [m/s] and steering [rad], (N, W) each; zero for HAVs that wait."""
-        return decide(self.policy, self.memory, self.batch)
+        """Return speed [m/s] and steering [rad], (N, W) each; zero for HAVs that wait.
+
+        What is said of HAVs that are driven otherwise is void.
+        """
+        if self.first == 0:
+            return decide(self.policy, self.memory, self.batch)
+        waiting = self.batch.worlds.state.waiting[: self.first]
+        kept = waiting.copy()
+        waiting[:] = True  # who waits is not asked
+        try:
+            return decide(self.policy, self.memory, self.batch)
+        finally:
+            waiting[:] = kept
 
     def forget(self, worlds: np.ndarray) -> None:
         """Begin anew in the worlds (W,) that are true."""
-        self.memory[..., worlds] = 0.0
+        self.memory[..., np.flatnonzero(worlds)] = 0.0  # it may have a lane more

@@ -98,7 +98,7 @@ class DecisionProcess:
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
         self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
-        driver = None if others is None else driver_of(others, self.batch)
+        driver = None if others is None else driver_of(others, self.batch, c)
         self._driver = driver if c < n else None  # nobody is left to be driven
         self._reward = canonical(reward)
         ranges = -(-w // VECTOR)

@@ -18,12 +18,12 @@ class Driver(Protocol):
         """Begin anew in the worlds (W,) that are true."""
 
 
-def driver_of(policy: Any, batch: Batch) -> Driver:
-    """Return a policy, or the one of a name ("avoid_jack"), at work on a batch.
+def driver_of(policy: Any, batch: Batch, first: int) -> Driver:
+    """Return a policy, or the one of a name ("avoid_jack"), at work on the HAVs from a number on.
 
     The simulator knows no policy: only when one is asked for are the baselines imported.
 
     Raises:
         ValueError, TypeError: when there is no such policy.
     """
-    return importlib.import_module("baselines.driver").PolicyDriver(policy, batch)
+    return importlib.import_module("baselines.driver").PolicyDriver(policy, batch, first)

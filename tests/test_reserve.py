@@ -2,10 +2,11 @@
 
 import math
 
+import gymnasium as gym
 import numpy as np
 import pytest
-from audit import drive
-from conftest import budget
+from audit import Audit, drive
+from conftest import COMPILED, budget
 
 from baselines.driver import PolicyDriver
 from baselines.policy import check_policy
@@ -49,3 +50,18 @@ def test_a_margin_that_leaves_no_articulation_is_refused():
     scenario = RandomPoses(fleet=RandomFleet(articulation_max=math.radians(1.0)))
     with pytest.raises(ValueError, match="articulation_margin"):
         check_policy(Reserve(), scenario)
+
+
+def test_round_a_hav_that_its_learner_leaves_standing_the_others_arrive():
+    env = gym.make("hav_env:HAVSingle-v0", num_havs=4, others="reserve", max_steps=budget(4000, 10))
+    env.reset(seed=8)
+    process = env.unwrapped._world.process
+    audit, over = Audit(process.batch.worlds), False
+    while not over:
+        *_, terminated, truncated, _ = env.step(np.array([-1.0, 1.0], np.float32))
+        audit.look()
+        over = terminated or truncated
+    audit.approve()
+    assert not process._driver.memory[0].any()  # it tells nothing
+    if COMPILED:
+        assert process.batch.worlds.state.waiting[:, 0].tolist() == [False, True, True, True]
