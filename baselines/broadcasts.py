@@ -13,7 +13,6 @@ from hav_env import Batch, Task
 from hav_env.outline import SIDES, corner
 
 _ROUNDING = 1e-6  # of a step
-_ENDLESS = 1e6  # [m] what ends farther away is a circle that is under way
 
 
 def remember(policy, scenario, seed: int, episode: int, task: Task = Task()) -> np.ndarray:
@@ -68,7 +67,7 @@ def circle_behind(
     side, end, shift = rows[rows_of.SIDE], rows[rows_of.END], rows[rows_of.SHIFT]
     if rows[rows_of.MODE] != rows_of.RESERVED or side == 0.0:
         return None
-    if end > _ENDLESS:  # the path is the circle
+    if rows[rows_of.PURPOSE] == rows_of.CIRCLE:  # the path is the circle
         end = rows[rows_of.DRIVEN]
         turned = heading_at(rows, rows_of.PATH, end)
         heading += turned - heading_at(rows, rows_of.PATH, end - 0.5 * rows[rows_of.OWN_STEP])

@@ -105,7 +105,7 @@ def text(path):
         (
             ["evaluate", "nobody"],
             None,
-            "random, ppo_single, ppo_pair, ppo_beginner, FILE.policy, module:Class",
+            "random, reserve, ppo_single, ppo_pair, ppo_beginner, FILE.policy, module:Class",
         ),
     ],
 )
