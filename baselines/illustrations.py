@@ -36,7 +36,7 @@ from baselines.results import check_at_least_one
 from baselines.rollout import rollout
 from baselines.trajectories import Trajectory, chain_points, record_trajectory
 from hav_env import Crossing, RandomPoses, Task
-from hav_env.command_line import parse_options
+from hav_env.command_line import run_command
 
 _SEED = 2026  # of all episodes
 _PAIR = 29  # the episode of a pair that is drawn: each is in the other's way
@@ -71,22 +71,12 @@ class Options:
 
 def main(words: list[str] | None = None) -> int:
     """Draw the pictures; return the exit code. What is wrong is said in one line."""
-    try:
-        usage, about = "python -m baselines.illustrations", "Draw the figures of docs/safety.md."
-        words = sys.argv[1:] if words is None else words
-        names = illustrate(parse_options(Options, usage, about, words, Options()))
-    except (ValueError, TypeError, OSError) as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return 130
-    print("\n".join(names))
-    return 0
+    usage, about = "python -m baselines.illustrations", "Draw the figures of docs/safety.md."
+    return run_command(usage, about, Options(), illustrate, words, "nothing is half written")
 
 
-def illustrate(options: Options) -> list[str]:
-    """Draw all pictures; return the paths of the files.
+def illustrate(options: Options) -> str:
+    """Draw all pictures; return the paths of the files, a line each.
 
     Raises:
         ValueError, OSError: when an option is not allowed, or the folder cannot be written.
@@ -107,7 +97,7 @@ def illustrate(options: Options) -> list[str]:
     names = []
     for name, figure in figures.items():
         names += save_figure(figure, options.output, name, ("png",))
-    return [str(options.output / name) for name in names]
+    return "\n".join(str(options.output / name) for name in names)
 
 
 def _run(options: Options, task: Task) -> dict[str, list[pa.Table]]:

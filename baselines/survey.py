@@ -23,7 +23,7 @@ from baselines.registry import find_policy
 from baselines.results import Experiments, run_experiments
 from baselines.statistics import wilson
 from hav_env import Task, find_scenario
-from hav_env.command_line import parse_options
+from hav_env.command_line import run_command
 from hav_env.dubins import path_length
 
 _WIDER = 1.02  # than the tightest circle that trailers and truck can drive on for ever
@@ -98,18 +98,8 @@ class Findings(NamedTuple):
 
 def main(words: list[str] | None = None) -> int:
     """Survey; return the exit code. What is wrong is said in one line."""
-    try:
-        words = sys.argv[1:] if words is None else words
-        usage, about = "python -m baselines.survey", "All policies from one HAV to swarms."
-        report = survey(parse_options(Options, usage, about, words, Options()))
-    except (ValueError, TypeError, OSError) as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted: the same command goes on where this one stopped", file=sys.stderr)
-        return 130
-    print(report)
-    return 0
+    usage, about = "python -m baselines.survey", "All policies from one HAV to swarms."
+    return run_command(usage, about, Options(), survey, words)
 
 
 def survey(options: Options) -> str:

@@ -18,7 +18,7 @@ from baselines.reserve import Reserve
 from baselines.results import Experiments, run_experiments
 from baselines.survey import HEAD, Entry, check_share, look_at, row_of
 from hav_env import Task, find_scenario
-from hav_env.command_line import parse_options
+from hav_env.command_line import run_command
 
 ENTRIES = (Entry("paper-pair", 1_000), Entry("swarm-10", 100), Entry("dense-10", 100))
 
@@ -67,18 +67,8 @@ class Options:
 
 def main(words: list[str] | None = None) -> int:
     """Run the variants; return the exit code. What is wrong is said in one line."""
-    try:
-        words = sys.argv[1:] if words is None else words
-        usage, about = "python -m baselines.variants", "Reserve with less to go by."
-        report = run_variants(parse_options(Options, usage, about, words, Options()))
-    except (ValueError, OSError) as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted: the same command goes on where this one stopped", file=sys.stderr)
-        return 130
-    print(report)
-    return 0
+    usage, about = "python -m baselines.variants", "Reserve with less to go by."
+    return run_command(usage, about, Options(), run_variants, words)
 
 
 def run_variants(options: Options) -> str:

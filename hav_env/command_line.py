@@ -2,6 +2,8 @@
 
 import contextlib
 import io
+import sys
+from collections.abc import Callable
 from typing import TypeVar
 
 import tyro
@@ -42,6 +44,39 @@ def parse_options(
         if not stop.code:
             raise
         raise ValueError(_one_line(complaint.getvalue())) from None
+
+
+def run_command(
+    program: str,
+    description: str,
+    default: Options,
+    run: Callable[[Options], str],
+    words: list[str] | None = None,
+    interrupted: str = "the same command goes on where this one stopped",
+) -> int:
+    """Run what a command is for and print what it returns; what is wrong is said in one line.
+
+    Args:
+        program, description: stand in the help.
+        default: the options without any arguments.
+        run: takes the options.
+        words: of the command line, by default the process's.
+        interrupted: what is said then.
+
+    Returns:
+        The exit code: 0, 2 when something is wrong, 130 when interrupted.
+    """
+    words = sys.argv[1:] if words is None else words
+    try:
+        said = run(parse_options(type(default), program, description, words, default))
+    except (ValueError, TypeError, OSError, ImportError) as error:
+        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"interrupted: {interrupted}", file=sys.stderr)
+        return 130
+    print(said)
+    return 0
 
 
 def _one_line(text: str) -> str:

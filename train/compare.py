@@ -23,7 +23,7 @@ from baselines.reproduce import PAPER_EXPERIMENTS
 from baselines.results import Experiments, check_at_least_one, run_experiments
 from baselines.trajectories import record_trajectory
 from hav_env import find_scenario
-from hav_env.command_line import parse_options
+from hav_env.command_line import run_command
 
 SCRIPTED = ("avoid_jack", "dubins_pursuit", "random")
 
@@ -52,18 +52,8 @@ class Options:
 
 def main(words: list[str] | None = None) -> int:
     """Compare; return the exit code. What is wrong is said in one line."""
-    try:
-        usage, about = "python -m train.compare", "Compare policies on the paper's episodes."
-        words = sys.argv[1:] if words is None else words
-        report = compare_all(parse_options(Options, usage, about, words, Options()))
-    except (ValueError, TypeError, OSError, ImportError) as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted: the same command goes on where this one stopped", file=sys.stderr)
-        return 130
-    print(report)
-    return 0
+    usage, about = "python -m train.compare", "Compare policies on the paper's episodes."
+    return run_command(usage, about, Options(), compare_all, words)
 
 
 def compare_all(options: Options) -> str:
