@@ -33,8 +33,6 @@ class PolicyDriver:
 
         What is said of HAVs that are driven otherwise is void.
         """
-        if self.first == 0:
-            return decide(self.policy, self.memory, self.batch)
         waiting = self.batch.worlds.state.waiting[: self.first]
         kept = waiting.copy()
         waiting[:] = True  # who waits is not asked

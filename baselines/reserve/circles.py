@@ -17,6 +17,7 @@ from baselines.reserve.layout import (
     CLOSE,
     END,
     GATHERED,
+    KEPT_AXLES,
     KEPT_CHAIN,
     KIND,
     MOST_UNITS,
@@ -28,6 +29,7 @@ from baselines.reserve.layout import (
     OWN_REAR,
     OWN_STEP,
     OWN_TRAILERS,
+    PREFERRED,
     RESERVED,
     SEGMENTS,
     SHIFT,
@@ -52,6 +54,33 @@ _LEAK = 0.05  # [m] by which outlines are wider than the convex hull: axles leav
 _COARSE = 0.15  # [m] by which coarse steps may be wrong
 _TOUCH = 0.01  # [m] margin that is kept from those that stand while circling
 _ENDLESS = 1e9  # [m]
+
+
+@rare_kernel
+def find_circle(policy, rows, x, y, heading, shifts, margin, exact):
+    """Look for a circle that the HAV can drive on for ever; the axles stay.
+
+    The side that it went to last comes first.
+
+    Args:
+        shifts: how many distances straight on before the circle are tried, 0, then one more
+            radius each.
+        others: as in ``circle_is_free``.
+
+    Returns:
+        The side of the circle, 0.0 where there is none, and the shift [m].
+    """
+    for row in range(2 * MOST_UNITS + 2):
+        rows[KEPT_AXLES + row] = rows[AXLES + row]
+    for choice in range(2 * shifts):
+        side = rows[PREFERRED] if choice % 2 == 0 else -rows[PREFERRED]
+        shift = (choice // 2) * rows[OWN_FRONT]
+        free = circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact)
+        for row in range(2 * MOST_UNITS + 2):
+            rows[AXLES + row] = rows[KEPT_AXLES + row]
+        if free:
+            return side, shift
+    return 0.0, 0.0
 
 
 @rare_kernel

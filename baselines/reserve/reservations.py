@@ -18,21 +18,17 @@ from baselines.reserve.chains import (
     keeps_clear,
     place_axles,
 )
-from baselines.reserve.circles import circle_is_free
+from baselines.reserve.circles import find_circle
 from baselines.reserve.itself import goal_seen, is_due
 from baselines.reserve.layout import (
     AFTER,
-    AXLES,
     BEFORE,
     BODY,
     END,
     HELD,
-    KEPT_AXLES,
     MODE,
-    MOST_UNITS,
     OUTLINE,
     OWN_BOUND,
-    OWN_FRONT,
     OWN_STEP,
     PREFERRED,
     RADIUS,
@@ -113,9 +109,7 @@ def reserve_circle(policy, rows, path, driven, heading, end, shifts, margin):
     """Reserve a path up to ``end`` [m] and a circle behind it; return whether that is possible.
 
     Args:
-        shifts: how many distances straight on before the circle are tried, 0, then one more
-            radius each.
-        others: as in ``sweep``.
+        shifts: as in ``find_circle``; others: as in ``sweep``.
     """
     if not is_due(rows, policy.turns):
         return False
@@ -128,18 +122,11 @@ def reserve_circle(policy, rows, path, driven, heading, end, shifts, margin):
         ok, x, y, turned, _ = sweep(policy, rows, path, driven, heading, end, False, margin)
         if not ok:
             return False
-    for row in range(2 * MOST_UNITS + 2):
-        rows[KEPT_AXLES + row] = rows[AXLES + row]
-    front = rows[OWN_FRONT]
-    for choice in range(2 * shifts):
-        side = rows[PREFERRED] if choice % 2 == 0 else -rows[PREFERRED]
-        shift = (choice // 2) * front
-        if circle_is_free(policy, rows, x, y, turned, side, shift, margin, True):
-            _write(rows, end, side, shift)
-            return True
-        for row in range(2 * MOST_UNITS + 2):
-            rows[AXLES + row] = rows[KEPT_AXLES + row]
-    return False
+    side, shift = find_circle(policy, rows, x, y, turned, shifts, margin, True)
+    if side == 0.0:
+        return False
+    _write(rows, end, side, shift)
+    return True
 
 
 @kernel

@@ -16,7 +16,7 @@ from baselines.reserve.chains import (
     place_axles,
     pull_axles,
 )
-from baselines.reserve.circles import circle_is_free
+from baselines.reserve.circles import find_circle
 from baselines.reserve.layout import (
     ADOPTED,
     AXLES,
@@ -25,11 +25,9 @@ from baselines.reserve.layout import (
     EXPLORED,
     FAILED,
     GOAL,
-    KEPT_AXLES,
     KIND,
     LENGTH_OF,
     LENGTHS,
-    MOST_UNITS,
     NUM_RESTLESS,
     NUM_SLOTS,
     NUMBER_OF,
@@ -38,7 +36,6 @@ from baselines.reserve.layout import (
     OWN_LENGTHS,
     OWN_REACH,
     OWN_REAR,
-    PREFERRED,
     RESERVED,
     SEGMENTS,
     STANDING,
@@ -167,7 +164,8 @@ def stands_test(policy, rows, path, done, purpose, horizon, margin):
                 return False
             if purpose == GOAL and rest_is_near(rows, rest - driven):
                 continue
-            if not _can_circle(policy, rows, x, y, heading, margin):
+            side, _ = find_circle(policy, rows, x, y, heading, 2, margin, False)
+            if side == 0.0:
                 return False
     return True
 
@@ -185,24 +183,6 @@ def _passes_standing(rows, nose_x, nose_y, margin):
             if not keeps_clear_of(rows, slot, margin):
                 return False
     return True
-
-
-@rare_kernel
-def _can_circle(policy, rows, x, y, heading, margin):
-    """Tell whether the HAV could go round a circle from here on; the axles stay."""
-    for row in range(2 * MOST_UNITS + 2):
-        rows[KEPT_AXLES + row] = rows[AXLES + row]
-    found = False
-    front = rows[OWN_FRONT]
-    for choice in range(4):
-        side = rows[PREFERRED] if choice % 2 == 0 else -rows[PREFERRED]
-        shift = (choice // 2) * front
-        found = circle_is_free(policy, rows, x, y, heading, side, shift, margin, False)
-        for row in range(2 * MOST_UNITS + 2):
-            rows[AXLES + row] = rows[KEPT_AXLES + row]
-        if found:
-            break
-    return found
 
 
 @rare_kernel
