@@ -10,7 +10,7 @@ import dataclasses
 import math
 import pathlib
 import sys
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -58,13 +58,9 @@ SURVEY = (
 
 
 @dataclasses.dataclass(frozen=True)
-class Options:
-    """What to look at."""
+class Sample:
+    """Which part of the episodes is run, and where the results go."""
 
-    scenarios: tuple[str, ...] = tuple(entry.scenario for entry in SURVEY)
-    """Which of the survey's scenarios."""
-    policies: tuple[str, ...] = ()
-    """Names, files, or module:Class; by default those that the survey has for each scenario."""
     share: float = 1.0
     """Of the episodes, to see something soon; at least one is run."""
     seed: int = 2026
@@ -75,6 +71,16 @@ class Options:
     """How many; by default HAV_THREADS or all cores."""
     overwrite: bool = False
     """Discard what an earlier run left in the folder."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Options(Sample):
+    """What to look at."""
+
+    scenarios: tuple[str, ...] = tuple(entry.scenario for entry in SURVEY)
+    """Which of the survey's scenarios."""
+    policies: tuple[str, ...] = ()
+    """Names, files, or module:Class; by default those that the survey has for each scenario."""
 
 
 class Findings(NamedTuple):
@@ -113,35 +119,49 @@ def survey(options: Options) -> str:
     for name in options.scenarios:
         if name not in entries:
             raise ValueError(f"scenarios has {name!r}, which is none of {', '.join(entries)}")
-    check_share(options.share)
-    chosen = []
-    for name in options.scenarios:
-        entry = entries[name]
-        for policy in options.policies or entry.policies:
-            chosen.append((entry, policy, find_policy(policy)()))
-    counts = {name: max(1, round(options.share * entries[name].episodes)) for name in entries}
+    chosen = [
+        (entries[name], policy, find_policy(policy)())
+        for name in options.scenarios
+        for policy in options.policies or entries[name].policies
+    ]
     rows = [list(HEAD)]
-    with Progress(sum(counts[entry.scenario] for entry, _, _ in chosen)) as progress:
+    with Progress(sum(episodes_of(entry, options) for entry, _, _ in chosen)) as progress:
         for entry, name, policy in chosen:
-            scenario, count = find_scenario(entry.scenario), counts[entry.scenario]
-            job = Experiments(
-                policy, scenario, count, options.seed, Task(max_steps=entry.max_steps)
-            )
             label = f"{entry.scenario}-{pathlib.PurePath(name).stem.replace(':', '-')}"
-            path = run_experiments(
-                job, options.output, label, options.threads, options.overwrite, progress.advance
-            )
-            found = look_at(pq.read_table(path), scenario.fleet)
+            task = Task(max_steps=entry.max_steps)
+            found = run_entry(entry, policy, task, label, options, progress)
             rows.append(row_of(entry.scenario, name, found))
+    return write_report(rows, options)
+
+
+def episodes_of(entry: Entry, sample: Sample) -> int:
+    """Return how many episodes of an entry are run.
+
+    Raises:
+        ValueError: when the sample's share is none.
+    """
+    if not 0 < sample.share <= 1:
+        raise ValueError(f"share is {sample.share}, but must be above 0 and at most 1")
+    return max(1, round(sample.share * entry.episodes))
+
+
+def run_entry(
+    entry: Entry, policy: Any, task: Task, label: str, sample: Sample, progress: Progress
+) -> Findings:
+    """Run what has not been run of an entry, kept under a label; return what came of it."""
+    scenario = find_scenario(entry.scenario)
+    job = Experiments(policy, scenario, episodes_of(entry, sample), sample.seed, task)
+    path = run_experiments(
+        job, sample.output, label, sample.threads, sample.overwrite, progress.advance
+    )
+    return look_at(pq.read_table(path), scenario.fleet)
+
+
+def write_report(rows: list[list[str]], sample: Sample) -> str:
+    """Write a table as ``report.md``; return it, in Markdown."""
     report = markdown(rows)
-    write_text(report, options.output / "report.md")
+    write_text(report, sample.output / "report.md")
     return report
-
-
-def check_share(share: float) -> None:
-    """Raise ValueError unless this can be a share of the episodes."""
-    if not 0 < share <= 1:
-        raise ValueError(f"share is {share}, but must be above 0 and at most 1")
 
 
 def look_at(table: pa.Table, fleet) -> Findings:

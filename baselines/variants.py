@@ -4,19 +4,21 @@ The same episodes again, with all HAVs deciding at once, without broadcast, with
 with noise on the poses of others. An interrupted run goes on where it stopped.
 """
 
-import dataclasses
 import pathlib
 import sys
 from typing import NamedTuple
 
-import pyarrow.parquet as pq
-
-from baselines.evaluate import markdown
-from baselines.files import write_text
 from baselines.progress import Progress
 from baselines.reserve import Reserve
-from baselines.results import Experiments, run_experiments
-from baselines.survey import HEAD, Entry, check_share, look_at, row_of
+from baselines.survey import (
+    HEAD,
+    Entry,
+    Sample,
+    episodes_of,
+    row_of,
+    run_entry,
+    write_report,
+)
 from hav_env import Task, find_scenario
 from hav_env.command_line import run_command
 
@@ -49,59 +51,31 @@ VARIANTS = (
 )
 
 
-@dataclasses.dataclass(frozen=True)
-class Options:
-    """What to run."""
-
-    share: float = 1.0
-    """Of the episodes, to see something soon; at least one is run."""
-    seed: int = 2026
-    """Of the episodes."""
-    output: pathlib.Path = pathlib.Path("results/variants")
-    """Folder of the results."""
-    threads: int | None = None
-    """How many; by default HAV_THREADS or all cores."""
-    overwrite: bool = False
-    """Discard what an earlier run left in the folder."""
-
-
 def main(words: list[str] | None = None) -> int:
     """Run the variants; return the exit code. What is wrong is said in one line."""
     usage, about = "python -m baselines.variants", "Reserve with less to go by."
-    return run_command(usage, about, Options(), run_variants, words)
+    default = Sample(output=pathlib.Path("results/variants"))
+    return run_command(usage, about, default, run_variants, words)
 
 
-def run_variants(options: Options) -> str:
+def run_variants(sample: Sample) -> str:
     """Run what has not been run; return the table in Markdown, which is written too.
 
     Raises:
         ValueError, OSError: when options are wrong, or the folder holds other results or cannot be
             written.
     """
-    check_share(options.share)
     rows = [list(HEAD)]
-    counts = [max(1, round(options.share * entry.episodes)) for entry in ENTRIES]
-    with Progress(len(VARIANTS) * sum(counts)) as progress:
-        for entry, count in zip(ENTRIES, counts, strict=True):
-            scenario = find_scenario(entry.scenario)
+    with Progress(len(VARIANTS) * sum(episodes_of(entry, sample) for entry in ENTRIES)) as progress:
+        for entry in ENTRIES:
             for number, variant in enumerate(VARIANTS):
                 policy = variant.policy
                 if variant.in_turns:
-                    policy = policy._replace(turns=scenario.num_havs)
-                job = Experiments(policy, scenario, count, options.seed, variant.task)
-                path = run_experiments(
-                    job,
-                    options.output,
-                    f"{entry.scenario}-{number}",
-                    options.threads,
-                    options.overwrite,
-                    progress.advance,
-                )
-                found = look_at(pq.read_table(path), scenario.fleet)
+                    policy = policy._replace(turns=find_scenario(entry.scenario).num_havs)
+                label = f"{entry.scenario}-{number}"
+                found = run_entry(entry, policy, variant.task, label, sample, progress)
                 rows.append(row_of(entry.scenario, variant.name, found))
-    report = markdown(rows)
-    write_text(report, options.output / "report.md")
-    return report
+    return write_report(rows, sample)
 
 
 if __name__ == "__main__":
