@@ -7,7 +7,7 @@ from conftest import budget
 
 from baselines import variants
 from baselines.driver import PolicyDriver
-from baselines.policy import check_policy
+from baselines.policy import broadcast_size, check_policy
 from baselines.reserve import Reserve
 from baselines.survey import Entry
 from hav_env import Batch, RandomPoses, Task
@@ -81,3 +81,23 @@ def test_a_table_of_all_variants(tmp_path, monkeypatch, capsys):
     )
     assert variants.main(["--share", "0"]) == 2
     assert capsys.readouterr().err == "error: share is 0.0, but must be above 0 and at most 1\n"
+
+
+def test_nobody_decides_by_what_others_keep_to_themselves():
+    batch = Batch(CROWD, len(EPISODES))
+    batch.reset(24)
+    driver, waiting = PolicyDriver(Reserve(), batch), batch.worlds.state.waiting
+    private = slice(broadcast_size(driver.policy), None)
+    for _ in range(budget(400, 40)):
+        before, resting, others = driver.memory.copy(), waiting.copy(), np.arange(5) != 3
+        results = []
+        for told in (before[others, private], np.nan):
+            driver.memory[:] = before
+            driver.memory[others, private] = told
+            waiting[others] = True  # are not asked
+            results.append([*driver.decide(), driver.memory[3].copy()])
+            waiting[:] = resting
+        for one, other in zip(*results, strict=True):
+            assert np.array_equal(one, other)
+        driver.memory[:] = before
+        batch.step(*driver.decide())
