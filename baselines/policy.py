@@ -139,7 +139,7 @@ def check_policy(policy, scenario, task=Task(), vehicle=OnAxle()) -> None:
         if not np.isfinite(value).all():
             raise ValueError(f"policy {field} is {value}, but must be finite")
     check_parameters(policy, scenario)
-    check_rules(policy, task, vehicle)
+    check_rules(policy, scenario, task, vehicle)
 
 
 @functools.singledispatch
@@ -151,7 +151,7 @@ def check_parameters(policy, scenario) -> None:
 
 
 @functools.singledispatch
-def check_rules(policy, task, vehicle) -> None:
+def check_rules(policy, scenario, task, vehicle) -> None:
     """Check what one kind of policy demands of the rules of an episode and of the kinematics.
 
     Registered by policies that predict what a step will lead to; raises ValueError.

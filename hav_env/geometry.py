@@ -2,7 +2,7 @@
 
 import math
 
-from hav_env.compiled import kernel
+from hav_env.compiled import kernel, rare_kernel
 from hav_env.elementary import floor
 
 TWO_PI = 2.0 * math.pi
@@ -94,3 +94,31 @@ def segments_apart(ax, ay, bx, by, cx, cy, dx, dy, margin):
         and point_segment_squared(dx, dy, ax, ay, bx, by) > squared
         and not segments_intersect(ax, ay, bx, by, cx, cy, dx, dy)
     )
+
+
+@rare_kernel
+def hull_apart(rows, place, count, ax, ay, bx, by, margin):
+    """Tell whether the convex hull of points keeps more than a margin [m] from the segment a-b.
+
+    Args:
+        rows, place: where the points stand, x and y [m] one after the other; count: how many.
+    """
+    for i in range(count):
+        px, py = rows[place + 2 * i], rows[place + 2 * i + 1]
+        for j in range(i + 1, count):
+            qx, qy = rows[place + 2 * j], rows[place + 2 * j + 1]
+            if not segments_apart(px, py, qx, qy, ax, ay, bx, by, margin):
+                return False
+            for k in range(j + 1, count):  # no edge is near: the segment may be inside
+                if _in_triangle(
+                    px, py, qx, qy, rows[place + 2 * k], rows[place + 2 * k + 1], ax, ay
+                ):
+                    return False
+    return True
+
+
+@kernel
+def _in_triangle(ax, ay, bx, by, cx, cy, px, py):
+    one, two = _side(ax, ay, bx, by, px, py), _side(bx, by, cx, cy, px, py)
+    three = _side(cx, cy, ax, ay, px, py)
+    return (one > 0 and two > 0 and three > 0) or (one < 0 and two < 0 and three < 0)

@@ -49,6 +49,14 @@ def include_disc(rows, outline, x, y, radius):
         sides[side] = max(sides[side], x * _COSINES[side] + y * _SINES[side] + radius)
 
 
+@kernel
+def widen(rows, outline, margin):
+    """Move all sides of an outline outwards [m]: it then holds all that is so near to it."""
+    sides = rows[outline : outline + SIDES]
+    for side in range(SIDES):
+        sides[side] += margin
+
+
 @rare_kernel
 def outside(rows, outline, x, y):
     """Return how far outside the farthest side a point is [m]; negative inside."""

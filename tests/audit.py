@@ -1,10 +1,13 @@
 """An audit of what HAVs do, by brute force: it knows lengths, positions and headings, no policy.
 
-After every step it looks at the chains of all pairs, at every joint, and at HAVs that wait.
+After every step it looks at the chains of all pairs, at every joint, and at HAVs that wait. Where
+chains are near it looks between the steps too: wheels roll there, or axles go straight from place
+to place.
 """
 
-from collections.abc import Callable
-from typing import Any
+import itertools
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,20 +16,60 @@ from baselines.reserve import Reserve
 from hav_env import Batch, Task
 
 FAR = 0.5  # [m] chains whose boxes are farther apart are not measured
+PIECES = 12  # of a step that is looked into
 CONTACT = 1e-9  # [m] chains that are nearer touch, but for rounding
 
 Interference = Callable[[int, Any, np.ndarray, np.ndarray], None]
 
 
-def axles_of(worlds) -> np.ndarray:
+class Pose(NamedTuple):
+    """Where all HAVs are."""
+
+    rear: np.ndarray  # (N, W) rear axle of the truck, x + iy [m]
+    heading: np.ndarray  # (N, U, W) [rad]
+
+
+def poses_of(worlds) -> Pose:
+    """Return where all HAVs are now."""
+    state = worlds.state
+    return Pose(state.x + 1j * state.y, state.heading.copy())
+
+
+def axles_of(worlds, pose: Pose | None = None) -> np.ndarray:
     """Return the axles (N, W, U + 1) of all chains, x + iy [m]; a short one repeats its last."""
-    state, fleet = worlds.state, worlds.fleet
+    pose, fleet = pose or poses_of(worlds), worlds.fleet
     units = np.arange(fleet.length.shape[1])[:, None]
     length = np.where(units <= fleet.num_trailers[:, None], fleet.length, 0.0)
-    unit = np.moveaxis(length * np.exp(1j * state.heading), 1, 2)
-    rear = (state.x + 1j * state.y)[..., None]
+    unit = np.moveaxis(length * np.exp(1j * pose.heading), 1, 2)
+    rear = pose.rear[..., None]
     behind = rear - np.cumsum(unit[..., 1:], axis=2)
     return np.concatenate([rear + unit[..., :1], rear, behind], axis=2)
+
+
+def roll(worlds, pose: Pose, dt: float) -> Iterator[np.ndarray]:
+    """Yield the axles on the way through the step that was just done, as wheels roll.
+
+    They are eqs. (kinematics) and (kinematics-trailers) from where the step began, in ``PIECES``
+    pieces by the midpoint rule.
+    """
+    state, length = worlds.state, worlds.fleet.length
+    speed, steering = state.speed, state.steering
+
+    def rates(heading: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        turning, v = np.zeros(heading.shape), speed
+        turning[:, 0] = v * np.tan(steering) / length[:, 0]
+        for unit in range(1, heading.shape[1]):
+            bend = heading[:, unit] - heading[:, unit - 1]
+            turning[:, unit] = -v * np.sin(bend) / length[:, unit]
+            v = v * np.cos(bend)
+        return turning, speed * np.exp(1j * heading[:, 0])
+
+    h = dt / PIECES
+    for _ in range(PIECES):
+        turning, _ = rates(pose.heading)
+        turning, velocity = rates(pose.heading + 0.5 * h * turning)
+        pose = Pose(pose.rear + h * velocity, pose.heading + h * turning)
+        yield axles_of(worlds, pose)
 
 
 def joints_of(worlds) -> np.ndarray:
@@ -61,15 +104,15 @@ def chain_distances(one, other) -> np.ndarray:
     return np.sqrt(np.where(cross, 0.0, squares).min(axis=(1, 2)))
 
 
-def pair_distances(axles) -> np.ndarray:
-    """Return the distances (P, W) [m] of all pairs of chains; inf for those far apart."""
+def pair_distances(axles, far: float = FAR) -> np.ndarray:
+    """Return the distances (P, W) [m] of all pairs of chains; inf for those farther apart."""
     first, second = np.triu_indices(axles.shape[0], 1)
     gap = np.full((first.size, axles.shape[1]), -np.inf)
     for part in (axles.real, axles.imag):
         low, high = part.min(axis=2), part.max(axis=2)
         gap = np.maximum(gap, np.maximum(low[first] - high[second], low[second] - high[first]))
     distances = np.full(gap.shape, np.inf)
-    pair, w = np.nonzero(gap <= FAR)
+    pair, w = np.nonzero(gap <= far)
     if pair.size:
         distances[pair, w] = chain_distances(axles[first[pair], w], axles[second[pair], w])
     return distances
@@ -80,18 +123,20 @@ class Audit:
 
     Attributes:
         largest: articulation of each HAV (N, W) [rad].
-        least: distance of each pair (P, W) [m]; inf for pairs that touched at the start.
+        least: distance of each pair (P, W) at a step [m]; inf for pairs that touched at the start.
+        between: the same on the way from step to step.
         steps: how many were looked at.
         restless: how many HAVs moved while they waited.
     """
 
-    def __init__(self, worlds: Any) -> None:
-        """Look at the start."""
-        self.worlds = worlds
-        self.axles = axles_of(worlds)
+    def __init__(self, worlds: Any, dt: float = 0.2) -> None:
+        """Look at the start; ``dt`` is the duration of a step [s]."""
+        self.worlds, self.dt = worlds, dt
+        self.pose, self.axles = poses_of(worlds), axles_of(worlds)
         self.touched = pair_distances(self.axles) <= CONTACT
         self.largest = joints_of(worlds).max(axis=1)
         self.least = np.full(self.touched.shape, np.inf)
+        self.between = np.full(self.touched.shape, np.inf)
         self.waiting = worlds.state.waiting.copy()
         self.steps = self.restless = 0
 
@@ -100,17 +145,35 @@ class Audit:
         axles, before = axles_of(self.worlds), self.axles
         moved = (axles != before).any(axis=2)
         self.restless += np.count_nonzero(moved & self.waiting)
-        distances = np.where(self.touched, np.inf, pair_distances(axles))
+        far = max(FAR, self._reach(axles))
+        distances = np.where(self.touched, np.inf, pair_distances(axles, far))
         self.least = np.minimum(self.least, distances)
+        self._look_between(axles, distances)
         self.largest = np.maximum(self.largest, joints_of(self.worlds).max(axis=1))
-        self.axles, self.waiting = axles, self.worlds.state.waiting.copy()
+        self.pose, self.axles = poses_of(self.worlds), axles
+        self.waiting = self.worlds.state.waiting.copy()
         self.steps += 1
+
+    def _reach(self, axles: np.ndarray) -> float:
+        """Return how much nearer [m] than at its end two chains may have been in a step."""
+        return 2.5 * np.abs(axles - self.axles).max(initial=0.0)
+
+    def _look_between(self, axles: np.ndarray, distances: np.ndarray) -> None:
+        """Look into the step that led to these axles, in the worlds where chains are near."""
+        if not (distances <= self._reach(axles)).any():
+            return
+        shares = np.arange(1, PIECES) / PIECES
+        straight = (self.axles + share * (axles - self.axles) for share in shares)
+        for way in itertools.chain(straight, roll(self.worlds, self.pose, self.dt)):
+            found = np.where(self.touched, np.inf, pair_distances(way))
+            self.between = np.minimum(self.between, found)
 
     def approve(self) -> None:
         """Demand no contact, no jackknife, and that who waits stands."""
         limit = np.abs(self.worlds.fleet.limit[:, 2])
         assert (self.largest < limit).all(), f"jackknife: {np.degrees(self.largest.max()):.1f} deg"
-        assert (self.least > CONTACT).all(), f"contact of {np.argwhere(self.least <= CONTACT)}"
+        least = np.minimum(self.least, self.between)
+        assert (least > CONTACT).all(), f"contact of {np.argwhere(least <= CONTACT)}"
         assert self.restless == 0
 
 
@@ -133,7 +196,7 @@ def drive(
     """
     batch = Batch(scenario, len(episodes), task)
     batch.reset(seed, np.asarray(episodes))
-    driver, audit = PolicyDriver(policy, batch), Audit(batch.worlds)
+    driver, audit = PolicyDriver(policy, batch), Audit(batch.worlds, task.dt)
     for step in range(steps):
         speed, steering = driver.decide()
         if interfere is not None:

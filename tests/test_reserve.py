@@ -1,6 +1,7 @@
 """Reserve neither jackknifes nor collides: every step is looked at by an audit of its own."""
 
 import math
+from typing import NamedTuple
 
 import gymnasium as gym
 import numpy as np
@@ -12,7 +13,7 @@ from baselines.driver import PolicyDriver
 from baselines.policy import check_policy
 from baselines.reserve import Reserve
 from baselines.rollout import rollout
-from hav_env import Batch, OnAxle, RandomFleet, RandomPoses, Task
+from hav_env import Batch, OnAxle, RandomFleet, RandomPoses, Task, explicit
 
 
 @pytest.mark.parametrize(("num_havs", "area_factor"), [(2, 4.0), (2, 2.0), (5, 2.0), (10, 2.0)])
@@ -44,6 +45,48 @@ def test_rules_that_it_does_not_know_are_refused(task, vehicle, said):
     with pytest.raises(ValueError, match=said):
         PolicyDriver("reserve", Batch(scenario, 1, task, vehicle))
     check_policy(Reserve(), scenario, Task(distance_tolerance=1.0))
+
+
+def one_fleet(**limits):
+    return RandomPoses(num_havs=2, fleet=RandomFleet(**limits))
+
+
+@pytest.mark.parametrize(
+    ("scenario", "task", "said"),
+    [
+        (one_fleet(), Task(sensing_range=0.0), "sensing_range is 0 m, but must be at least 0.4 m"),
+        (one_fleet(speed_max=3.0), Task(sensing_range=1.0), "must be at least 1.2 m"),
+        (one_fleet(), Task(dt=20.0), "a step of 20 m, but must be at most 4 m, twice the shortest"),
+        (one_fleet(speed_max=100.0), Task(), "a step of 20 m, but must be at most 4 m"),
+        (one_fleet(speed_max=1e4), Task(), "a step of 2000 m, but must be at most 4 m"),
+        (one_fleet(speed_max=1e-5), Task(), "a step of 2e-06 m, but must be at least"),
+        (one_fleet(speed_max=1e-9), Task(), "a step of 2e-10 m, but must be at least"),
+        (one_fleet(), Task(dt=1e-3), "a step of 0.001 m, but must be at least"),
+        (one_fleet(steering_max=0.001), Task(), "which steering_max 0.001 rad"),
+        (one_fleet(articulation_max=0.02), Task(), "two turns of a circle of radius"),
+    ],
+)
+def test_what_the_theorems_assume_is_checked(scenario, task, said):
+    with pytest.raises(ValueError, match=said):
+        check_policy(Reserve(dt=task.dt), scenario, task)
+
+
+def test_an_explicit_scenario_is_measured_by_its_own_units():
+    short = explicit([[4.0, 0.05]], [[0, 0, 0]], [[[50, 0, 0]]])
+    with pytest.raises(ValueError, match=r"must be at most 0\.1 m, twice the shortest unit"):
+        check_policy(Reserve(), short)
+    check_policy(Reserve(), explicit([[4.0, 0.3]], [[0, 0, 0]], [[[50, 0, 0]]]))
+
+
+def test_a_scenario_that_hides_its_lengths_is_refused():
+    class Secret(NamedTuple):
+        num_havs: int = 2
+        num_goals: int = 1
+        max_trailers: int = 2
+        articulation_max: float = 1.5
+
+    with pytest.raises(TypeError, match="Secret does not tell the lengths"):
+        check_policy(Reserve(), Secret())
 
 
 def test_a_margin_that_leaves_no_articulation_is_refused():

@@ -10,7 +10,7 @@ from test_reserve_attacks import Others, Stops
 
 from baselines.driver import PolicyDriver
 from baselines.reserve import Reserve
-from baselines.reserve.layout import GATHERED, HELD, MODE, RESERVED
+from baselines.reserve.layout import CLEAR, HELD, MODE, NUM_SLOTS, RADIUS, RESERVED, STRANGERS
 from baselines.reserve.swarm import _look_again
 from hav_env import Batch, RandomFleet, RandomPoses, Task, explicit
 
@@ -65,7 +65,7 @@ def test_joints_with_less_freedom_need_wider_circles(degrees):
 
 
 def test_nothing_is_reserved_anew_where_not_everybody_had_a_slot():
-    """When somebody came into range, the new outline was compared with those in the slots only."""
+    """When somebody came near, the new outline was compared with those in the slots only."""
     batch = Batch(RandomPoses(num_havs=2), 1)
     batch.reset(0)
     driver = PolicyDriver(Reserve(), batch)
@@ -73,7 +73,8 @@ def test_nothing_is_reserved_anew_where_not_everybody_had_a_slot():
         batch.step(*driver.decide())
     rows = np.ascontiguousarray(driver.memory[0, :, 0])
     assert rows[MODE] == RESERVED
-    rows[GATHERED] = 0.0
+    rows[NUM_SLOTS], rows[STRANGERS], rows[CLEAR] = 0.0, 1.0, 10.0
+    assert rows[RADIUS] > 10.0
     _look_again(Reserve(), rows)
     assert rows[HELD] == 0.0
 

@@ -8,14 +8,14 @@ its pieces, or longer than its sequences.
 
 import math
 
+from baselines.reserve.dice import PLACES, dice
 from baselines.reserve.layout import (
     OWN_CIRCLE,
-    OWN_DICE,
     OWN_FOOTPRINT,
     OWN_FRONT,
-    OWN_NUMBER,
     SEGMENTS,
     TRIAL,
+    WAYPOINTS,
 )
 from baselines.reserve.paths import append
 from hav_env.compiled import kernel, rare_kernel
@@ -25,17 +25,10 @@ from hav_env.geometry import TWO_PI, into_frame
 from hav_env.randomness import normal, uniform
 
 DIRECT = 18  # six words, three radii
-_DRAWS = 1024  # random numbers of a step
+_DRAWS = 8  # random numbers of a way by a random place
 _PIECES = 7  # of a sequence
 # up to the last sequence of so many pieces, each of three kinds
 SEQUENCES = 3 * (3 ** (_PIECES + 1) - 1) // 2
-
-
-@kernel
-def dice(rows):
-    """Return what random numbers depend on: seed, episode, stream and the first draw of a step."""
-    seed, episode, step = int(rows[OWN_DICE]), int(rows[OWN_DICE + 1]), int(rows[OWN_DICE + 2])
-    return seed, episode, int(rows[OWN_NUMBER]) + 1, _DRAWS * step
 
 
 @rare_kernel
@@ -50,8 +43,8 @@ def write_candidate(rows, number, x, y, heading):
         if first < INFEASIBLE:
             _append_word(rows, word, radius * first, radius * middle, radius * last, radius)
         return
-    seed, episode, stream, draw = dice(rows)
-    draw += 8 * (number - DIRECT)
+    seed, episode, stream, draw = dice(rows, PLACES, _DRAWS * WAYPOINTS)
+    draw += _DRAWS * (number - DIRECT)
     front = rows[OWN_FRONT]
     share = uniform(seed, episode, stream, draw)
     distance = math.sqrt(x * x + y * y)

@@ -5,6 +5,7 @@ import math
 from baselines.reserve.chains import (
     keeps_clear,
     keeps_clear_of,
+    move_axles,
     nose_swept,
     place_axles,
     pull_axles,
@@ -27,6 +28,7 @@ from baselines.reserve.layout import (
     OWN_CIRCLE,
     OWN_FRONT,
     OWN_REAR,
+    OWN_SAG,
     OWN_STEP,
     OWN_TRAILERS,
     PREFERRED,
@@ -43,12 +45,12 @@ from baselines.reserve.motion import (
     sense_chain,
     turn_to,
 )
-from baselines.reserve.others import apart, slot_at
+from baselines.reserve.others import apart, is_overseen, slot_at
 from baselines.reserve.paths import append, heading_at
 from hav_env.compiled import rare_kernel
 from hav_env.elementary import sincos
 from hav_env.geometry import TWO_PI, into_frame, wrap
-from hav_env.outline import SIDES, include_disc, outside, turn_outline
+from hav_env.outline import SIDES, include_disc, outside, turn_outline, widen
 
 _LEAK = 0.05  # [m] by which outlines are wider than the convex hull: axles leave it by less
 _COARSE = 0.15  # [m] by which coarse steps may be wrong
@@ -92,7 +94,8 @@ def circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact):
             becomes the outline of all.
         x, y, heading: of the truck then [m, rad]; side: of the circle; shift: straight on [m].
         margin: to be kept [m].
-        exact: whether ``CHAIN`` is the chain then, so that in doubt the circle can be predicted.
+        exact: whether ``CHAIN`` is the chain then, so that in doubt the circle can be predicted,
+            and the outline may be reserved.
     """
     rear, front = rows[OWN_REAR], rows[OWN_FRONT]
     sine, cosine = sincos(heading)
@@ -100,9 +103,10 @@ def circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact):
     centre_y = y + shift * sine + side * rear * cosine
     for number in range(SIDES):
         rows[TRY + number] = rows[BODY + number]
-    include_disc(rows, TRY, centre_x, centre_y, front)
-    for number in range(SIDES):
-        rows[TRY + number] += _LEAK
+    include_disc(rows, TRY, centre_x, centre_y, front + rows[OWN_SAG])
+    widen(rows, TRY, _LEAK)
+    if exact and not is_overseen(rows, TRY, margin):
+        return False
     if not apart(rows, TRY, RESERVED, margin):
         return False
     if apart(rows, TRY, STANDING, margin):
@@ -162,6 +166,8 @@ def _drive_exactly(policy, rows, x, y, heading, side, shift, margin):
     """Drive straight on and twice round the circle, as the simulation will; the chain stays."""
     for row in range(2 * MOST_UNITS):
         rows[KEPT_CHAIN + row] = rows[CHAIN + row]
+    for row in range(2 * MOST_UNITS + 2):  # the coarse steps have moved them
+        rows[AXLES + row] = rows[KEPT_AXLES + row]
     radius = rows[OWN_CIRCLE]
     distance = rows[OWN_STEP]
     driven, turned, free = 0.0, 0.0, True
@@ -170,7 +176,7 @@ def _drive_exactly(policy, rows, x, y, heading, side, shift, margin):
         turn = turn_to(rows, wanted, turned, distance)
         x, y, _ = advance_chain(rows, x, y, turn, distance)
         turned, driven = turned + turn, driven + distance
-        place_axles(rows, x, y)
+        move_axles(rows, x, y)
         free = keeps_clear(rows, margin)
     for row in range(2 * MOST_UNITS):
         rows[CHAIN + row] = rows[KEPT_CHAIN + row]
@@ -207,8 +213,11 @@ def go_round(rows, path, driven, heading, shift):
     x, y, cosine, sine = rows[AFTER], rows[AFTER + 1], rows[AFTER + 2], rows[AFTER + 3]
     distance = rows[OWN_STEP]
     turn_outline(rows, TRY, rows, OUTLINE, x, y, cosine, sine)
+    if not is_overseen(rows, TRY, _LEAK):
+        return False
     apart(rows, TRY, STANDING, _LEAK)  # marks who is close
     sense_chain(rows)
+    place_axles(rows, 0.0, 0.0)
     px, py = 0.0, 0.0
     end = driven + shift + 2.0 * TWO_PI * rows[OWN_CIRCLE]
     while driven < end:
@@ -216,13 +225,13 @@ def go_round(rows, path, driven, heading, shift):
         turn = turn_to(rows, wrap(wanted - heading), 0.0, distance)
         px, py, least = advance_chain(rows, px, py, turn, distance)
         heading, driven = heading + turn, driven + distance
-        place_axles(rows, px, py)
+        move_axles(rows, px, py)
         if least < rows[OWN_BOUND] or not keeps_clear(rows, _TOUCH):
             return False
         for axle in range(int(rows[OWN_TRAILERS]) + 2):
             at = AXLES + 2 * axle
             forward, left = into_frame(rows[at] - x, rows[at + 1] - y, cosine, sine)
-            if outside(rows, OUTLINE, forward, left) > 0.0:
+            if outside(rows, OUTLINE, forward, left) > -rows[OWN_SAG]:
                 return False
     rows[END] = driven
     return True

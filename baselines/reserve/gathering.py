@@ -1,5 +1,7 @@
 """Who is near a HAV under Reserve, and what of them it senses and hears: a slot for each.
 
+However many there are, the nearest get slots, and the HAV knows how far round it that is all.
+
 What an other one reserved is an outline in a frame of its own; it is heard where that frame is from
 that one's truck, before its last step and after it, and sensed where the truck is. Who reserved
 nothing stands where it is.
@@ -8,31 +10,41 @@ nothing stands where it is.
 import math
 
 from baselines.policy import heard
-from baselines.reserve.candidates import dice
+from baselines.reserve.dice import NOISE, dice
+from baselines.reserve.itself import sag, stride
 from baselines.reserve.layout import (
     AFTER,
     ARRIVED,
     BEFORE,
+    CLEAR,
     DOUBT,
     FRAME,
     KIND,
+    LENGTH_OF,
     MODE,
     NUM_AXLES,
     NUM_RESTLESS,
     NUM_SLOTS,
     NUMBER,
+    NUMBER_OF,
     OUTLINE,
+    OWN_STEEPEST,
+    OWN_STEP,
     RADIUS,
     RAW,
     RESERVED,
+    SAG,
     SEEN,
     SLOT_AXLES,
     SLOTS,
     STAMP,
     STANDING,
+    STRANGERS,
+    STRIDE,
 )
-from baselines.reserve.others import slot_at
-from hav_env.compiled import rare_kernel
+from baselines.reserve.others import is_stranger, slot_at
+from baselines.reserve.shortlist import insert
+from hav_env.compiled import kernel, rare_kernel
 from hav_env.elementary import sincos
 from hav_env.geometry import TWO_PI
 from hav_env.outline import SIDES, clear_outline, include_point, turn_outline
@@ -50,64 +62,98 @@ from hav_env.sensing import (
     num_neighbors,
 )
 
-_NOISE = 600  # the first draw of a step for noise
+_DRAWS = 3  # random numbers of the noise on one neighbour
 
 
 @rare_kernel
 def gather(policy, rows, memory, world, agent, lane, radius):
-    """Take note of all others that may be within a radius [m] round the own truck.
+    """Take note of the others that may be within a radius [m] round the own truck.
 
-    Returns:
-        Whether there were slots for all of them.
+    The nearest get slots; ``CLEAR`` tells how far round the truck nobody else reaches.
     """
-    _, _, now = episode_key(world, lane)
-    rows[NUM_SLOTS], rows[NUM_RESTLESS] = 0.0, 0.0
+    rows[NUM_SLOTS], rows[NUM_RESTLESS], rows[STRANGERS] = 0.0, 0.0, 0.0
+    rows[CLEAR] = radius
+    count = 0
     for k in range(num_neighbors(world, agent, lane)):
-        x, y = neighbor_position(world, agent, k, lane)
-        distance = math.sqrt(x * x + y * y)
-        stamp = heard(memory, world, agent, k, STAMP, lane) if policy.broadcast else 0.0
-        reserved = (heard(memory, world, agent, k, MODE, lane) == RESERVED) | (stamp == now + 1.0)
-        moved, frame = stamp > 0.0 and reserved, AFTER
-        if moved:
-            # who has just decided is sensed where it was before, and so is who then stood instead
-            stood = neighbor_speed(world, agent, k, lane) == 0.0
-            if stamp == now + 1.0 or (stamp == now and stood):
-                frame = BEFORE
-            fx = heard(memory, world, agent, k, frame, lane)
-            fy = heard(memory, world, agent, k, frame + 1, lane)
-            reach = math.sqrt(fx * fx + fy * fy) + heard(memory, world, agent, k, RADIUS, lane)
-        else:
-            length = neighbor_length(world, agent, k, 0, lane)
-            reach = max(neighbor_footprint(world, agent, k, lane), length)
-        if distance > radius + reach:
-            continue
-        if rows[NUM_SLOTS] == SLOTS:
-            return False
-        slot = slot_at(int(rows[NUM_SLOTS]))
-        rows[NUM_SLOTS] += 1.0
-        rows[slot + NUMBER] = neighbor_id(world, agent, k, lane)
-        arrived = stamp > 0.0 and heard(memory, world, agent, k, MODE, lane) == ARRIVED
-        rows[NUM_RESTLESS] += 0.0 if arrived else 1.0
-        if moved and heard(memory, world, agent, k, RADIUS, lane) > 0.0:
-            _note_reserved(policy, rows, slot, frame, memory, world, agent, k, lane)
-        else:
-            _note_standing(policy, rows, slot, world, agent, k, lane)
-        doubt = policy.position_noise + policy.heading_noise * reach
-        rows[slot + DOUBT] = doubt
-        for side in range(SIDES):
-            rows[slot + SEEN + side] += doubt
-            rows[slot + RAW + side] += doubt
-    return True
+        gap = _least_distance(policy, rows, memory, world, agent, k, lane)
+        if gap <= radius:
+            rows[STRANGERS] += 1.0 if is_stranger(rows, world, agent, k, lane) else 0.0
+            count = insert(rows, count, gap, k)
+    if count > SLOTS:
+        count, rows[CLEAR] = SLOTS, rows[LENGTH_OF + SLOTS]
+    for number in range(count):
+        k = int(rows[NUMBER_OF + number])
+        rows[STRANGERS] -= 1.0 if is_stranger(rows, world, agent, k, lane) else 0.0
+        _note(policy, rows, slot_at(number), memory, world, agent, k, lane)
+    rows[NUM_SLOTS] = count
 
 
 @rare_kernel
-def _pose_seen(policy, rows, world, agent, k, lane):
+def _frame_heard(policy, memory, world, agent, k, lane):
+    """Return the row of a neighbour's frame that fits where it is sensed, -1 if it stands."""
+    stamp = heard(memory, world, agent, k, STAMP, lane) if policy.broadcast else 0.0
+    _, _, now = episode_key(world, lane)
+    reserved = (heard(memory, world, agent, k, MODE, lane) == RESERVED) | (stamp == now + 1.0)
+    if not ((stamp > 0.0) & reserved & (heard(memory, world, agent, k, RADIUS, lane) > 0.0)):
+        return -1
+    # one that has just decided is sensed where it was before, and so is one that then stood instead
+    stood = neighbor_speed(world, agent, k, lane) == 0.0
+    return BEFORE if stamp == now + 1.0 or (stamp == now and stood) else AFTER
+
+
+@rare_kernel
+def _reach_of(policy, memory, world, agent, k, lane):
+    """Return the radius [m] round a neighbour's truck that holds it and what it has reserved."""
+    frame = _frame_heard(policy, memory, world, agent, k, lane)
+    if frame < 0:
+        length = neighbor_length(world, agent, k, 0, lane)
+        return max(neighbor_footprint(world, agent, k, lane), length)
+    x = heard(memory, world, agent, k, frame, lane)
+    y = heard(memory, world, agent, k, frame + 1, lane)
+    return math.sqrt(x * x + y * y) + heard(memory, world, agent, k, RADIUS, lane)
+
+
+@kernel
+def _doubt(policy, reach):
+    """Return how far off [m] a point may be sensed that is so far [m] from its truck."""
+    return policy.position_noise + policy.heading_noise * reach
+
+
+@rare_kernel
+def _least_distance(policy, rows, memory, world, agent, k, lane):
+    """Return a lower bound of the distance [m] from the own truck to a neighbour's property."""
+    x, y, _, _ = _pose_seen(policy, rows, memory, world, agent, k, lane)
+    reach = _reach_of(policy, memory, world, agent, k, lane)
+    return math.sqrt(x * x + y * y) - reach - _doubt(policy, reach)
+
+
+@rare_kernel
+def _note(policy, rows, slot, memory, world, agent, k, lane):
+    """Write a neighbour into a slot."""
+    rows[slot + NUMBER] = neighbor_id(world, agent, k, lane)
+    stamp = heard(memory, world, agent, k, STAMP, lane) if policy.broadcast else 0.0
+    arrived = stamp > 0.0 and heard(memory, world, agent, k, MODE, lane) == ARRIVED
+    rows[NUM_RESTLESS] += 0.0 if arrived else 1.0
+    frame = _frame_heard(policy, memory, world, agent, k, lane)
+    if frame < 0:
+        _note_standing(policy, rows, slot, memory, world, agent, k, lane)
+    else:
+        _note_reserved(policy, rows, slot, frame, memory, world, agent, k, lane)
+    doubt = _doubt(policy, _reach_of(policy, memory, world, agent, k, lane))
+    rows[slot + DOUBT] = doubt
+    for side in range(SIDES):
+        rows[slot + SEEN + side] += doubt
+        rows[slot + RAW + side] += doubt
+
+
+@rare_kernel
+def _pose_seen(policy, rows, memory, world, agent, k, lane):
     """Return the pose of a neighbour's truck: x, y [m], cosine, sine, with the noise asked for."""
     x, y = neighbor_position(world, agent, k, lane)
     cosine, sine = neighbor_heading_direction(world, agent, k, lane)
     if policy.position_noise + policy.heading_noise > 0.0:
-        seed, episode, stream, draw = dice(rows)
-        draw += _NOISE + 4 * k
+        seed, episode, stream, draw = dice(rows, NOISE, _DRAWS * memory.shape[0])
+        draw += _DRAWS * neighbor_id(world, agent, k, lane)
         off_sine, off_cosine = sincos(TWO_PI * uniform(seed, episode, stream, draw))
         off = policy.position_noise * math.sqrt(uniform(seed, episode, stream, draw + 1))
         x, y = x + off * off_cosine, y + off * off_sine
@@ -122,7 +168,7 @@ def _pose_seen(policy, rows, world, agent, k, lane):
 
 @rare_kernel
 def _note_reserved(policy, rows, slot, frame, memory, world, agent, k, lane):
-    x, y, cosine, sine = _pose_seen(policy, rows, world, agent, k, lane)
+    x, y, cosine, sine = _pose_seen(policy, rows, memory, world, agent, k, lane)
     fx = heard(memory, world, agent, k, frame, lane)
     fy = heard(memory, world, agent, k, frame + 1, lane)
     fc = heard(memory, world, agent, k, frame + 2, lane)
@@ -147,20 +193,25 @@ def _note_reserved(policy, rows, slot, frame, memory, world, agent, k, lane):
 
 
 @rare_kernel
-def _note_standing(policy, rows, slot, world, agent, k, lane):
-    x, y, cosine, sine = _pose_seen(policy, rows, world, agent, k, lane)
+def _note_standing(policy, rows, slot, memory, world, agent, k, lane):
+    x, y, cosine, sine = _pose_seen(policy, rows, memory, world, agent, k, lane)
     count = neighbor_trailers(world, agent, k, lane) + 2
     rows[slot + KIND], rows[slot + NUM_AXLES] = STANDING, count
     length = neighbor_length(world, agent, k, 0, lane)
     axles = slot + SLOT_AXLES
     rows[axles], rows[axles + 1] = x + length * cosine, y + length * sine
     rows[axles + 2], rows[axles + 3] = x, y
+    shortest = length
     for joint in range(1, count - 1):
         c, s = neighbor_articulation(world, agent, k, joint, lane)
         cosine, sine = cosine * c - sine * s, sine * c + cosine * s
         length = neighbor_length(world, agent, k, joint, lane)
+        shortest = min(shortest, length)
         x, y = x - length * cosine, y - length * sine
         rows[axles + 2 * joint + 2], rows[axles + 2 * joint + 3] = x, y
+    step, steepest = rows[OWN_STEP], rows[OWN_STEEPEST]
+    rows[slot + SAG] = sag(step, steepest, shortest)
+    rows[slot + STRIDE] = stride(step, steepest, shortest, count - 2)
     clear_outline(rows, slot + SEEN)
     for axle in range(count):
         include_point(rows, slot + SEEN, rows[axles + 2 * axle], rows[axles + 2 * axle + 1])

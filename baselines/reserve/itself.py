@@ -20,8 +20,10 @@ from baselines.reserve.layout import (
     OWN_NUMBER,
     OWN_REACH,
     OWN_REAR,
+    OWN_SAG,
     OWN_STEEPEST,
     OWN_STEP,
+    OWN_STRIDE,
     OWN_TIGHTEST,
     OWN_TRAILERS,
 )
@@ -95,6 +97,43 @@ def _sense_body(policy, rows, world, agent, lane):
     rear = 0.5 * rows[OWN_STEP] / sine
     rows[OWN_REAR] = rear
     rows[OWN_FRONT] = math.sqrt(rear * rear + truck * truck + 2.0 * rear * truck * sine)
+    _sense_step(rows)
+
+
+@rare_kernel
+def _sense_step(rows):
+    """Write how far a step may lead, and how far from the straight ways to where it leads."""
+    trailers, shortest = int(rows[OWN_TRAILERS]), rows[OWN_LENGTHS]
+    for unit in range(1, trailers + 1):
+        shortest = min(shortest, rows[OWN_LENGTHS + unit])
+    rows[OWN_SAG] = sag(rows[OWN_STEP], rows[OWN_STEEPEST], shortest)
+    rows[OWN_STRIDE] = stride(rows[OWN_STEP], rows[OWN_STEEPEST], shortest, trailers)
+
+
+@kernel
+def sag(step, steepest, shortest):
+    """Return how far [m] the axles of rolling wheels leave the ways of the simulator's step.
+
+    The simulator turns the truck first and then moves it; wheels do both at once. The proof is in
+    docs/safety.md, between steps.
+
+    Args:
+        step: of the truck's rear axle [m]; steepest: tangent of the largest steering angle.
+        shortest: unit [m].
+    """
+    turned = 0.5 * step * step / shortest * max(steepest + 0.25 * steepest * steepest, 1.0)
+    return turned + max(step - shortest, 0.0)
+
+
+@kernel
+def stride(step, steepest, shortest, trailers):
+    """Return how far [m] an axle moves in a step, at most: the front one, or the last one.
+
+    Args:
+        step, steepest, shortest: as for ``sag``; trailers: how many.
+    """
+    front = math.sqrt(1.0 + steepest * steepest * (1.0 + step / shortest))
+    return step * max(front, 1.0 + 1.5 * trailers * step / shortest)
 
 
 @rare_kernel

@@ -11,8 +11,8 @@ MOST_UNITS = MOST_TRAILERS + 1
 MOST_SEGMENTS = 10  # of a path: arcs and straights
 RADII = 8  # of tight turns that are tried
 SHORTLIST = 48  # candidates that are looked at before the next ones are looked for
-SLOTS = 24  # others that are looked at
-MOST_KNOWN = 64  # others whose numbers are remembered
+SLOTS = 24  # others that a plan takes into account: the nearest
+MOST_KNOWN = 128  # others whose numbers are remembered
 WAYPOINTS = 24  # poses by way of which a path may lead
 
 
@@ -65,7 +65,7 @@ TRIES = _next()  # to begin moving
 ADOPTED = _next()  # paths to the goal that were taken
 EXPLORED = _next()  # sequences that were tried as a last resort
 MARGIN = _next()  # with which the path was planned [m]
-COMPANY = _next()  # how many others are known
+COMPANY = _next()  # how many others are near
 COMPANIONS = _next(MOST_KNOWN)  # their numbers
 DOOMED = _next()  # 1.0 when somebody stands in the way farther on
 REFRESH = _next()  # [m] of the path from which on the rest is reserved anew
@@ -84,16 +84,23 @@ OWN_BOUND = _next()  # cosine of the largest articulation that is allowed
 OWN_TIGHTEST = _next()  # radius of the truck's tightest circle, l^0 / tan(phi^max) [m]
 OWN_HITCH = _next()  # least radius on which trailers can follow for good [m]
 OWN_CIRCLE = _next()  # radius of the circle that can be driven on for ever [m]
+OWN_SAG = _next()  # how far an axle leaves the way from step to step, at most [m]
+OWN_STRIDE = _next()  # how far a point of the chain moves in a step, at most [m]
 OWN_REAR = _next()  # radii on which rear and front axle of the truck drive round its centre [m]
 OWN_FRONT = _next()
 OWN_GOAL = _next(5)  # the goal under way: forward, left [m], heading [rad], its cosine and sine
 OWN_GOALS_LEFT = _next()
 OWN_DICE = _next(3)  # seed, episode and step
-GATHERED = _next()  # 1.0 when everybody who matters is in a slot
+GATHERED = _next()  # 1.0 when the others were gathered in this step
+CLEAR = _next()  # round the truck's rear axle, within which nobody reaches who is in no slot [m]
+STRANGERS = _next()  # others in no slot who were not near when that was last noted
 
-# Scratch: a chain that is moved in thought (cosine, sine of each unit), and its axles (x, y).
+# Scratch: a chain that is predicted (cosine, sine of each unit), its axles (x, y), where they were
+# a step before, and the corners of what a link sweeps in that step.
 CHAIN = _next(2 * MOST_UNITS)
 AXLES = _next(2 * (MOST_UNITS + 1))
+WERE = _next(2 * (MOST_UNITS + 1))
+SWEPT = _next(2 * 5)
 KEPT_CHAIN = _next(2 * MOST_UNITS)
 KEPT_AXLES = _next(2 * (MOST_UNITS + 1))
 # Scratch of the tight turns: how far [rad] an arc of each radius may turn, first and last.
@@ -117,7 +124,8 @@ CLOSE = (
 KIND, FRAME, RAW, SEEN, NUM_AXLES = 0, 1, 5, 5 + SIDES, 5 + 2 * SIDES
 NUMBER = NUM_AXLES + 1  # of that HAV
 DOUBT = NUM_AXLES + 2  # how far off it may be sensed [m]
-SLOT_AXLES = NUM_AXLES + 3
+SAG, STRIDE = NUM_AXLES + 3, NUM_AXLES + 4  # of one that stands, if it should set off [m]
+SLOT_AXLES = NUM_AXLES + 5
 SLOT_ROWS = SLOT_AXLES + 2 * (MOST_UNITS + 1)
 SLOT = _next(SLOTS * SLOT_ROWS)
 

@@ -1,8 +1,11 @@
 """The others as a HAV under Reserve takes them, once they are gathered in slots of its memory."""
 
+import math
+
 from baselines.policy import heard
 from baselines.reserve.layout import (
     AFTER,
+    CLEAR,
     CLOSE,
     COMPANIONS,
     COMPANY,
@@ -13,6 +16,8 @@ from baselines.reserve.layout import (
     MOST_KNOWN,
     NUM_SLOTS,
     OUTLINE,
+    OWN_REACH,
+    OWN_STEP,
     RAW,
     RESERVED,
     SEEN,
@@ -23,15 +28,16 @@ from baselines.reserve.layout import (
 )
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.geometry import into_frame
-from hav_env.outline import (
-    SIDES,
-    outline_gap,
-    turn_outline,
-)
+from hav_env.outline import SIDES, corner, outline_gap, turn_outline
 from hav_env.sensing import (
+    neighbor_footprint,
     neighbor_id,
+    neighbor_length,
+    neighbor_position,
     num_neighbors,
 )
+
+NEAR = 30.0  # [m] between what circumscribes both, and what they drive in a step
 
 
 @kernel
@@ -70,6 +76,22 @@ def someone_within(rows, x, y, radius):
 
 
 @rare_kernel
+def extent_of(rows, outline):
+    """Return the distance [m] of an outline's farthest corner from the origin of its frame."""
+    farthest = 0.0
+    for side in range(SIDES):
+        x, y = corner(rows, outline, side)
+        farthest = max(farthest, x * x + y * y)
+    return math.sqrt(farthest)
+
+
+@kernel
+def is_overseen(rows, outline, margin):
+    """Tell whether all who may come within a margin [m] of an outline are in slots."""
+    return extent_of(rows, outline) + margin <= rows[CLEAR]
+
+
+@rare_kernel
 def apart(rows, outline, kind, margin):
     """Tell whether an outline keeps a margin [m] from all slots of a kind; mark the close ones."""
     free = True
@@ -87,34 +109,55 @@ def apart(rows, outline, kind, margin):
     return free
 
 
-@rare_kernel
-def number_of_modes(policy, memory, world, agent, lane):
-    """Return a number that changes, but for coincidence, with who of those in range stands."""
-    total = 0.0
-    for k in range(num_neighbors(world, agent, lane)):
-        number = neighbor_id(world, agent, k, lane) + 1.0
-        mode = heard(memory, world, agent, k, MODE, lane) if policy.broadcast else 0.0
-        total += number * (number + 0.123) * mode
-    return total
+@kernel
+def is_near(rows, world, agent, k, lane):
+    """Tell whether a neighbour is near enough to be noticed when it comes or goes.
+
+    Farther ones, if they are sensed at all, are compared only when something is reserved.
+    """
+    x, y = neighbor_position(world, agent, k, lane)
+    reach = max(
+        neighbor_footprint(world, agent, k, lane), neighbor_length(world, agent, k, 0, lane)
+    )
+    farthest = rows[OWN_REACH] + reach + NEAR + 2.0 * rows[OWN_STEP]
+    return x * x + y * y <= farthest * farthest
+
+
+@kernel
+def _sign_of(policy, memory, world, agent, k, lane):
+    """Return a number by whose sum over all it shows, but for coincidence, who of them stands."""
+    number = neighbor_id(world, agent, k, lane) + 1.0
+    mode = heard(memory, world, agent, k, MODE, lane) if policy.broadcast else 0.0
+    return number * (number + 0.123) * mode
 
 
 @rare_kernel
 def note_company(policy, rows, memory, world, agent, lane):
-    """Remember who is in sensing range, and who of them stands."""
-    rows[KNOWN] = number_of_modes(policy, memory, world, agent, lane)
-    count = min(num_neighbors(world, agent, lane), MOST_KNOWN)
-    rows[COMPANY] = count
-    for k in range(count):
-        rows[COMPANIONS + k] = neighbor_id(world, agent, k, lane)
+    """Remember who is near, and who of them stands."""
+    count, total = 0, 0.0
+    for k in range(num_neighbors(world, agent, lane)):
+        if is_near(rows, world, agent, k, lane):
+            if count < MOST_KNOWN:
+                rows[COMPANIONS + count] = neighbor_id(world, agent, k, lane)
+            count += 1
+            total += _sign_of(policy, memory, world, agent, k, lane)
+    rows[COMPANY], rows[KNOWN] = count, total
 
 
 @rare_kernel
 def is_known(rows, number):
-    """Tell whether the HAV of this number was in sensing range when that was noted."""
-    for k in range(int(rows[COMPANY])):
+    """Tell whether the HAV of this number was near when that was noted."""
+    for k in range(min(int(rows[COMPANY]), MOST_KNOWN)):
         if rows[COMPANIONS + k] == number:
             return True
     return False
+
+
+@rare_kernel
+def is_stranger(rows, world, agent, k, lane):
+    """Tell whether a neighbour is near and was not when that was last noted."""
+    known = is_known(rows, neighbor_id(world, agent, k, lane))
+    return not known and is_near(rows, world, agent, k, lane)
 
 
 @rare_kernel
@@ -140,11 +183,13 @@ def reserved_gap(rows, slot):
 
 @kernel
 def has_company_changed(policy, rows, memory, world, agent, lane):
-    """Tell whether others are in sensing range, or stand, than when this was last looked at."""
-    count = num_neighbors(world, agent, lane)
-    if count != rows[COMPANY] or count > MOST_KNOWN:
-        return True
-    for k in range(count):
-        if neighbor_id(world, agent, k, lane) != rows[COMPANIONS + k]:
-            return True
-    return rows[KNOWN] != number_of_modes(policy, memory, world, agent, lane)
+    """Tell whether others are near, or stand, than when this was last noted."""
+    count, total = 0, 0.0
+    for k in range(num_neighbors(world, agent, lane)):
+        if is_near(rows, world, agent, k, lane):
+            number = neighbor_id(world, agent, k, lane)
+            if count >= MOST_KNOWN or number != rows[COMPANIONS + count]:
+                return True
+            count += 1
+            total += _sign_of(policy, memory, world, agent, k, lane)
+    return count != rows[COMPANY] or total != rows[KNOWN]

@@ -2,8 +2,8 @@
 
 import math
 
-from baselines.reserve.candidates import dice
 from baselines.reserve.circles import enter_circle
+from baselines.reserve.dice import PLANS, dice
 from baselines.reserve.itself import goal_seen, is_due
 from baselines.reserve.layout import (
     ADOPTED,
@@ -36,6 +36,8 @@ from hav_env.elementary import sincos
 from hav_env.geometry import TWO_PI
 from hav_env.randomness import normal, uniform
 
+_DRAWS = 11  # random numbers of a plan
+_MANY_PATHS = 15  # to the goal, after which those who are in each other's way make room
 KEEP = 0.02  # [m] margin that is enough to go on with what is reserved
 
 
@@ -53,19 +55,21 @@ def _adopt(rows, purpose, margin):
 def plan(policy, rows, margin):
     """Look for a path and take it; return whether there is one.
 
-    After failures it leads to a random pose within the goal's tolerance, with other margins; after
-    many, now and then, to a random place: whoever is in the way may have the same trouble.
+    After failures it leads to a random pose within the goal's tolerance, with other margins. After
+    many, or after many paths in vain, it leads to a random place now and then: those in the way may
+    have the same trouble.
     """
     if (rows[GATHERED] == 0.0) | (not is_due(rows, policy.turns)):
         return False
     x, y, heading = goal_seen(rows)
-    seed, episode, stream, draw = dice(rows)
-    draw += 512
+    seed, episode, stream, draw = dice(rows, PLANS, _DRAWS)
     failed, purpose = int(rows[FAILED]), GOAL
-    if failed > 10 and uniform(seed, episode, stream, draw) < 0.5:
+    in_vain = rows[ADOPTED] > _MANY_PATHS
+    lost = failed > 10 or (in_vain and uniform(seed, episode, stream, draw + 10) < 0.4)
+    if lost and uniform(seed, episode, stream, draw) < 0.5:
         purpose = PLACE
-        front = rows[OWN_FRONT]
-        spread = front * (0.5 + 3.0 * uniform(seed, episode, stream, draw + 1))
+        farther = 8.0 if in_vain else 3.0
+        spread = rows[OWN_FRONT] * (0.5 + farther * uniform(seed, episode, stream, draw + 1))
         x = spread * normal(seed, episode, stream, draw + 2)
         y = spread * normal(seed, episode, stream, draw + 4)
         heading = TWO_PI * uniform(seed, episode, stream, draw + 6)

@@ -13,6 +13,7 @@ from baselines.policy import (
 )
 from baselines.reserve.alone import act_alone
 from baselines.reserve.layout import BROADCAST, MOST_TRAILERS, ROWS
+from baselines.reserve.preconditions import check_range, check_step
 from baselines.reserve.swarm import act_among_others
 from hav_env import OnAxle
 from hav_env.compiled import contiguous
@@ -84,10 +85,11 @@ def _(policy: Reserve, scenario) -> None:
         (*required, "part", "horizon", "patience", "refresh", "position_noise", "heading_noise"),
     )
     require_at_least(policy, 1, ("shortlists", "wait", "turns"))
+    check_step(scenario, policy.dt, scenario.articulation_max - policy.articulation_margin)
 
 
 @check_rules.register
-def _(policy: Reserve, task, vehicle) -> None:
+def _(policy: Reserve, scenario, task, vehicle) -> None:
     if vehicle != OnAxle():
         raise ValueError(f"vehicle is {vehicle}, but Reserve predicts every step of {OnAxle()}")
     if policy.dt != task.dt:
@@ -97,6 +99,7 @@ def _(policy: Reserve, task, vehicle) -> None:
         if getattr(policy, field) > most:
             value = getattr(policy, field)
             raise ValueError(f"policy {field} is {value}, but must be at most the task's, {most}")
+    check_range(scenario, policy.dt, task.sensing_range)
 
 
 @act.register(Reserve)

@@ -10,12 +10,11 @@ Reserved is what keeps a margin from everything that others have reserved, and f
 stand; by the same prediction where their outlines are too coarse to tell.
 """
 
-import math
-
 from baselines.reserve.alone import SURELY, hits_goal
 from baselines.reserve.chains import (
     include_axles,
     keeps_clear,
+    move_axles,
     place_axles,
 )
 from baselines.reserve.circles import find_circle
@@ -29,6 +28,7 @@ from baselines.reserve.layout import (
     MODE,
     OUTLINE,
     OWN_BOUND,
+    OWN_SAG,
     OWN_STEP,
     PREFERRED,
     RADIUS,
@@ -39,11 +39,11 @@ from baselines.reserve.layout import (
     TRY,
 )
 from baselines.reserve.motion import advance_chain, sense_chain, turn_to
-from baselines.reserve.others import apart
+from baselines.reserve.others import apart, extent_of, is_overseen
 from baselines.reserve.paths import heading_at, total_length
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.geometry import wrap
-from hav_env.outline import SIDES, clear_outline, corner
+from hav_env.outline import SIDES, clear_outline, widen
 
 ROUNDING = 1e-6  # [m] that a path may be longer than its end says
 
@@ -57,6 +57,9 @@ def sweep(policy, rows, path, driven, heading, end, stop, margin):
         heading: of the truck less that of the path's start [rad], by whole turns.
         end: up to where [m]; stop: whether to go on to the goal instead.
         margin: to be kept from those that stand and are close [m]; negative: do not look.
+
+    The outline is wider than the axles need by what they may leave the straight ways from step to
+    step, so it holds the chain between steps too.
 
     Returns:
         Whether all went well, x, y [m], heading [rad] in the own frame, and driven [m].
@@ -79,12 +82,13 @@ def sweep(policy, rows, path, driven, heading, end, stop, margin):
         heading, turned, driven = heading + turn, turned + turn, driven + distance
         if least < bound:
             return False, x, y, turned, driven
-        place_axles(rows, x, y)
+        move_axles(rows, x, y)
         include_axles(rows, TRY)
         if margin >= 0.0 and not keeps_clear(rows, margin):
             return False, x, y, turned, driven
         if stop and hits_goal(policy, goal_x - x, goal_y - y, goal_heading - turned, SURELY):
             break
+    widen(rows, TRY, rows[OWN_SAG])
     return True, x, y, turned, driven
 
 
@@ -94,7 +98,7 @@ def reserve_rest(policy, rows, path, driven, heading, margin):
     if not is_due(rows, policy.turns):
         return False
     ok, _, _, _, end = sweep(policy, rows, path, driven, heading, 0.0, True, -1.0)
-    if not ok or not apart(rows, TRY, RESERVED, margin):
+    if not (ok and is_overseen(rows, TRY, margin) and apart(rows, TRY, RESERVED, margin)):
         return False
     if not apart(rows, TRY, STANDING, margin):
         ok, _, _, _, end = sweep(policy, rows, path, driven, heading, 0.0, True, margin)
@@ -132,12 +136,9 @@ def reserve_circle(policy, rows, path, driven, heading, end, shifts, margin):
 @kernel
 def _write(rows, end, side, shift):
     """Broadcast ``TRY`` as what is reserved, in the truck's frame as it is now."""
-    farthest = 0.0
     for number in range(SIDES):
         rows[OUTLINE + number] = rows[TRY + number]
-        x, y = corner(rows, TRY, number)
-        farthest = max(farthest, x * x + y * y)
-    rows[RADIUS], rows[MODE] = math.sqrt(farthest), RESERVED
+    rows[RADIUS], rows[MODE] = extent_of(rows, OUTLINE), RESERVED
     rows[BEFORE], rows[BEFORE + 1], rows[BEFORE + 2], rows[BEFORE + 3] = 0.0, 0.0, 1.0, 0.0
     rows[AFTER], rows[AFTER + 1], rows[AFTER + 2], rows[AFTER + 3] = 0.0, 0.0, 1.0, 0.0
     rows[END], rows[SIDE], rows[SHIFT], rows[HELD] = end, side, shift, 1.0

@@ -5,11 +5,13 @@ comes to the end of that it reserves the next part of its path; where that is no
 for another path, and in the end goes round the circle that it has reserved until there is one.
 """
 
+import math
+
 from baselines.reserve.alone import SURELY, hits_goal
 from baselines.reserve.chains import keeps_clear_of, place_axles
 from baselines.reserve.circles import go_round
 from baselines.reserve.gathering import gather
-from baselines.reserve.itself import goal_seen, is_due, sense_itself, sense_joints
+from baselines.reserve.itself import goal_seen, is_due, sag, sense_itself, sense_joints, stride
 from baselines.reserve.layout import (
     ADOPTED,
     AFTER,
@@ -17,6 +19,7 @@ from baselines.reserve.layout import (
     BEFORE,
     BLOCKED,
     CIRCLE,
+    CLEAR,
     DOOMED,
     DRIVEN,
     END,
@@ -28,23 +31,30 @@ from baselines.reserve.layout import (
     HELD,
     MARGIN,
     MODE,
+    MOST_TRAILERS,
     NUM_SLOTS,
     NUMBER,
     OWN_DICE,
     OWN_FRONT,
     OWN_GOALS_LEFT,
     OWN_REACH,
+    OWN_SAG,
+    OWN_STEEPEST,
     OWN_STEP,
+    OWN_STRIDE,
     PATH,
     PREFERRED,
     PURPOSE,
     RADIUS,
     REFRESH,
     RESERVED,
+    SAG,
     SEGMENTS,
     SIDE,
     STAMP,
     STANDING,
+    STRANGERS,
+    STRIDE,
     TRIES,
 )
 from baselines.reserve.motion import (
@@ -72,8 +82,8 @@ from hav_env.elementary import sincos
 
 _LEAD = 1.0  # [m] before the end of what is reserved, where the next part is asked for
 _RENEW = 0.3  # of the margin of the plan is the margin of a next part
-_ANYWHERE = 1e6  # [m]
-_STEPS_APART = 2.0  # the front of a truck goes 1.3 times as far as its rear axle at most
+_ANYWHERE = 1e9  # [m]
+_WIDER = 1.01  # an outline's corners are at most 1 / cos(pi / 24) times as far as its contents
 _MAYBE = 1.0 + 1e-9  # of the tolerances of a goal: what is outside is not hit
 
 
@@ -92,8 +102,8 @@ def act_among_others(policy, rows, memory, world, agent, lane):
     rows[GATHERED] = 0.0
     if radius > 0.0:
         sense_joints(rows, world, agent, lane)
-        noted = gather(policy, rows, memory, world, agent, lane, radius)
-        rows[GATHERED] = 1.0 if noted else 0.0
+        gather(policy, rows, memory, world, agent, lane, radius)
+        rows[GATHERED] = 1.0
     stood = rows[MODE] == STANDING
     turn, distance = think(policy, rows, changed)
     # who begins has just looked at everybody in range: only they are no newcomers later
@@ -121,13 +131,14 @@ def _attention(policy, rows):
     if rows[MODE] == STANDING:
         return _ANYWHERE if rows[TRIES] == 0.0 or is_due(rows, 5) else 0.0
     rest = rows[END] - rows[DRIVEN]
+    reach = _WIDER * rows[OWN_REACH] + 1.0  # outlines are wider than what they hold
     if not _may_move(rows):
         return _ANYWHERE
     if (rows[PURPOSE] == CIRCLE or rows[DOOMED] > 0.0) and is_due(rows, 15):
         return _ANYWHERE
     if rows[SIDE] == 0.0:
-        return rest + rows[OWN_REACH] if rows[DRIVEN] >= rows[REFRESH] else 0.0
-    far = policy.part + 4.0 * rows[OWN_FRONT] + rows[OWN_REACH]
+        return _WIDER * rest + reach if rows[DRIVEN] >= rows[REFRESH] else 0.0
+    far = _WIDER * (policy.part + 4.0 * rows[OWN_FRONT]) + reach
     return far if rest <= _lead(policy, rows) else 0.0
 
 
@@ -183,8 +194,9 @@ def _take_goal(rows):
 
 @rare_kernel
 def _look_again(policy, rows):
-    """Compare what is reserved with those who came into range: it is held only if they agree."""
-    agree = rows[GATHERED] > 0.0
+    """Compare what is reserved with those who came near: it is held only if they agree."""
+    extent = math.sqrt(rows[AFTER] * rows[AFTER] + rows[AFTER + 1] * rows[AFTER + 1])
+    agree = rows[STRANGERS] == 0.0 or extent + rows[RADIUS] <= rows[CLEAR]
     for number in range(int(rows[NUM_SLOTS])):
         slot = slot_at(number)
         known = policy.broadcast and is_known(rows, rows[slot + NUMBER])
@@ -192,15 +204,11 @@ def _look_again(policy, rows):
             agree = False
     if not agree:
         heading = path_heading(rows)
-        if rows[GATHERED] == 0.0 or not reserve_next(
-            policy, rows, PATH, rows[DRIVEN], heading, rows[PURPOSE], KEEP
-        ):
+        if not reserve_next(policy, rows, PATH, rows[DRIVEN], heading, rows[PURPOSE], KEEP):
             rows[HELD] = 0.0
     if rows[PURPOSE] != CIRCLE and rows[SIDE] != 0.0:
         margin = 0.5 * _RENEW * rows[MARGIN]
-        passes = rows[GATHERED] > 0.0 and stands_test(
-            policy, rows, PATH, rows[DRIVEN], rows[PURPOSE], -1.0, margin
-        )
+        passes = stands_test(policy, rows, PATH, rows[DRIVEN], rows[PURPOSE], -1.0, margin)
         rows[DOOMED] = 0.0 if passes else 1.0
 
 
@@ -257,8 +265,17 @@ def _step_is_clear(rows):
     sense_chain(rows)
     x, y, _ = advance_chain(rows, 0.0, 0.0, turn, distance)
     place_axles(rows, x, y)
+    # of those in no slot it is known only that their units are as long as a step
+    step, steepest = rows[OWN_STEP], rows[OWN_STEEPEST]
+    most = stride(step, steepest, step, MOST_TRAILERS) + 2.0 * sag(step, steepest, step)
+    if rows[OWN_REACH] + rows[OWN_STRIDE] + most > rows[CLEAR]:
+        return False
     for number in range(int(rows[NUM_SLOTS])):
-        if not keeps_clear_of(rows, slot_at(number), _STEPS_APART * distance):
+        slot = slot_at(number)
+        # before the end of the step, what is left of one stride and what is done of the other
+        # are together no longer than the longer one
+        margin = max(rows[OWN_STRIDE], rows[slot + STRIDE]) + rows[OWN_SAG] + rows[slot + SAG]
+        if not keeps_clear_of(rows, slot, margin):
             return False
     return True
 
