@@ -160,7 +160,9 @@ def _roll(policy, batch: Batch, order: np.ndarray) -> None:
     """
     num_havs, num_units, _ = batch.worlds.state.heading.shape
     lanes = min(len(order), max(VECTOR, LANES // num_havs))
-    stage = allocate_worlds(lanes, num_havs, num_units, batch.scenario.num_goals)
+    stage = allocate_worlds(
+        lanes, num_havs, num_units, batch.scenario.num_goals, batch.task.continuous_collisions
+    )
     # so that nobody moves in lanes that are idle
     stage.state.waiting[:], stage.state.clock[PHASE] = True, batch.scenario.num_goals - 1
     rollout_worlds(

@@ -74,7 +74,11 @@ class Batch:
         self.threads = threads
         self._begun = False
         self.worlds: World = allocate_worlds(
-            num_worlds, scenario.num_havs, scenario.max_trailers + 1, scenario.num_goals
+            num_worlds,
+            scenario.num_havs,
+            scenario.max_trailers + 1,
+            scenario.num_goals,
+            self.task.continuous_collisions,
         )
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:

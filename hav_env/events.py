@@ -7,6 +7,7 @@ from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.dubins import path_length
 from hav_env.elementary import sincos
 from hav_env.geometry import wrap
+from hav_env.sweeping import collision_between
 from hav_env.world import (
     ACTUAL,
     ARTICULATION,
@@ -111,8 +112,10 @@ def _record_jackknifes(world, agent):
 
 
 @kernel
-def record_collisions(world):
+def record_collisions(task, world):
     """Record the first potential and the first actual collision of every HAV.
+
+    Actual collisions between steps count if the task says so.
 
     Returns:
         How many pairs of HAVs may have collided for the first time.
@@ -125,7 +128,7 @@ def record_collisions(world):
                 for lane in range(world.lanes):
                     news += _may_be_news(world, agent, other, lane)
                 if news > 0:
-                    _record_pairs(world, agent, other)
+                    _record_pairs(task, world, agent, other)
                 all_news += news
     else:
         for lane in range(world.lanes):
@@ -133,7 +136,7 @@ def record_collisions(world):
                 for k in range(world.nearby.count[agent, lane]):
                     other = world.nearby.index[agent, k, lane]
                     if other > agent:  # a pair is looked at once
-                        _record_pair(world, agent, other, lane)
+                        _record_pair(task, world, agent, other, lane)
                         all_news += 1
     return all_news
 
@@ -156,21 +159,28 @@ def _is_new(first, event, agent, other, lane):
 
 
 @rare_kernel
-def _record_pairs(world, agent, other):
+def _record_pairs(task, world, agent, other):
     for lane in range(world.lanes):
-        _record_pair(world, agent, other, lane)
+        _record_pair(task, world, agent, other, lane)
 
 
 @kernel
-def _record_pair(world, agent, other, lane):
+def _record_pair(task, world, agent, other, lane):
     first = world.record.first
     new_potential = _is_new(first, POTENTIAL, agent, other, lane)
     if new_potential and potential_collision(world, agent, other, lane):
         _record_both(world, POTENTIAL, agent, other, lane)
     new_actual = _is_new(first, ACTUAL, agent, other, lane)
     may_touch = new_actual and boxes_overlap(world, agent, other, lane)
-    if may_touch and actual_collision(world, agent, other, lane):
+    if may_touch and _collided(task, world, agent, other, lane):
         _record_both(world, ACTUAL, agent, other, lane)
+
+
+@kernel
+def _collided(task, world, agent, other, lane):
+    if task.continuous_collisions:
+        return collision_between(world, agent, other, lane)
+    return actual_collision(world, agent, other, lane)
 
 
 @kernel

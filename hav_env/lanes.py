@@ -43,6 +43,7 @@ def block_of(worlds, first, lanes, units):
             lanes_from(nearby.count, first),
             lanes_from(nearby.index, first),
             lanes_from(nearby.box, first),
+            lanes_from(nearby.were, first),
             nearby.grid,
             nearby.place,
         ),
@@ -109,6 +110,7 @@ def exchange_worlds(one, lane, other, to):
     exchange_lanes(one.nearby.count, lane, other.nearby.count, to)
     exchange_lanes(one.nearby.index, lane, other.nearby.index, to)
     exchange_lanes(one.nearby.box, lane, other.nearby.box, to)
+    exchange_lanes(one.nearby.were, lane, other.nearby.were, to)
     exchange_lanes(one.record.first, lane, other.record.first, to)
     exchange_lanes(one.record.total, lane, other.record.total, to)
     exchange_lanes(one.record.goal, lane, other.record.goal, to)
@@ -122,12 +124,12 @@ def view_of(worlds: World, w: int) -> World:
         return type(arrays)(*(array[..., w] for array in arrays))
 
     nearby = worlds.nearby
-    count, index, box = (array[..., w] for array in nearby[:3])
+    count, index, box, were = (array[..., w] for array in nearby[:4])
     return World(
         view(worlds.state),
         view(worlds.fleet),
         worlds.goals[..., w],
-        Nearby(count, index, box, nearby.grid, nearby.place),
+        Nearby(count, index, box, were, nearby.grid, nearby.place),
         view(worlds.record),
         w,
         1,

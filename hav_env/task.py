@@ -27,6 +27,10 @@ class Task(NamedTuple):
     """A jackknife is recorded and the episode goes on, or it ends the episode."""
     on_collision: Literal["record", "end"] = "record"
     """The same for an actual collision."""
+    continuous_collisions: bool = False
+    """Look for actual collisions between steps too, where every axle goes straight from its place
+    before the step to its place after it; among HAVs that sense each other. The paper's figures
+    are those of the steps."""
 
 
 def set_rules(task: Task, **rules) -> Task:
@@ -66,3 +70,7 @@ def check_task(task: Task) -> None:
         value, allowed = getattr(task, field), get_args(Task.__annotations__[field])
         if value not in allowed:
             raise ValueError(f"task {field} is {value!r}, but must be {' or '.join(allowed)}")
+    if not isinstance(task.continuous_collisions, bool):
+        raise TypeError(
+            f"task continuous_collisions is {task.continuous_collisions!r}, but must be a bool"
+        )

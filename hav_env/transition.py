@@ -13,6 +13,7 @@ from hav_env.geometry import clip
 from hav_env.lanes import block_of, moving_block
 from hav_env.neighborhood import find_nearby
 from hav_env.scenarios import populate
+from hav_env.sweeping import enclose_way, note_axles
 from hav_env.task import END, REMOVE
 from hav_env.vehicles import move
 from hav_env.world import (
@@ -44,8 +45,10 @@ def begin(scenario, task, world, lane, seed, episode):
     alone = block_of(world, lane, 1, world.units)
     for agent in range(state.x.shape[0]):
         enclose(alone, agent)
+        if task.continuous_collisions:
+            note_axles(alone, agent)
     find_nearby(task, alone)
-    record_collisions(alone)
+    record_collisions(task, alone)
     return placed
 
 
@@ -74,9 +77,14 @@ def step(task, vehicle, world, speed, steering):
         hits += record_approach(task, moving, agent)
         if num_havs > 1:
             enclose(moving, agent)
+            if task.continuous_collisions:
+                enclose_way(moving, agent)
     if num_havs > 1:
         find_nearby(task, world)
-        events += record_collisions(world)
+        events += record_collisions(task, world)
+        if task.continuous_collisions:
+            for agent in range(num_havs):
+                note_axles(world, agent)
     if hits > 0:
         _begin_phases(world)
     return late_worlds + hits + events
@@ -127,17 +135,20 @@ def remove_arrived(task, world):
     Whoever takes an action calls this first, so that what an action led to is seen before.
     """
     if task.on_goal == REMOVE:
-        _remove_arrived(world)
+        _remove_arrived(task, world)
 
 
 @rare_kernel
-def _remove_arrived(world):
+def _remove_arrived(task, world):
     state = world.state
     for lane in range(world.lanes):
         for agent in range(state.x.shape[0]):
             if arrived(world, agent, lane) and state.x[agent, lane] < OUTSIDE:
                 state.x[agent, lane] = OUTSIDE * (agent + 1)
-                enclose(block_of(world, lane, 1, world.units), agent)
+                alone = block_of(world, lane, 1, world.units)
+                enclose(alone, agent)
+                if task.continuous_collisions:
+                    note_axles(alone, agent)
 
 
 @kernel

@@ -65,6 +65,7 @@ class Nearby(NamedTuple):
     count: Array  # (N, W)
     index: Array  # (N, N - 1, W) in ascending order
     box: Array  # (N, 6, W) round the chain of a HAV, columns LEFT .. END_Y [m]
+    were: Array  # (N, 2 + 2 U, W) x and y of the axles before the step; empty if not asked for
     grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; for small swarms empty
     place: Array  # (W, 3, N) scratch of the search: x, y, reach
 
@@ -110,8 +111,14 @@ class World(NamedTuple):
     units: int  # to how many units of a HAV loops reach
 
 
-def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: int) -> World:
+def allocate_worlds(
+    num_worlds: int, num_havs: int, num_units: int, num_goals: int, continuous: bool = False
+) -> World:
     """Return the arrays of a batch; a scenario fills them.
+
+    Args:
+        num_worlds, num_havs, num_units, num_goals: W, N, U, G.
+        continuous: whether collisions between steps are looked for.
 
     Until then they hold HAVs that wait far from each other, which costs little to step along.
     """
@@ -138,6 +145,7 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
             whole(n),
             whole(n, n - 1),
             real(n, 6),
+            real(n, 2 + 2 * u if continuous else 0),
             np.zeros((w, 4, buckets if searched else 0), np.int64),
             np.zeros((w, 3, searched)),
         ),

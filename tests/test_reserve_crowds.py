@@ -44,7 +44,7 @@ def test_more_sensing_is_never_worse(sensing_range):
     [
         (RandomPoses(num_havs=budget(50, 5), num_goals=1, fleet=SMALL), 0.99),
         (grid(budget(6, 2), 12.0), 0.99),
-        (grid(budget(10, 3), 12.0), 0.9),  # those in the middle must wait until all before them have left
+        (grid(budget(10, 3), 12.0), 0.9),
     ],
 )
 def test_crowds_disperse(scenario, share):
