@@ -3,7 +3,6 @@
 Every environment is a face of it; a single environment is a decision process of one world.
 """
 
-import sys
 import warnings
 from typing import Any, TypedDict
 
@@ -21,6 +20,7 @@ from hav_env.observation import (
     settle,
 )
 from hav_env.others import driver_of
+from hav_env.recycling import Recycler
 from hav_env.report import REPORT
 from hav_env.reward import BEFORE_SIZE, Reward, check_reward
 from hav_env.scenarios.presets import scenario_of
@@ -111,7 +111,15 @@ class DecisionProcess:
             np.zeros((ranges, len(self.columns), APART), np.float32),
         )
         self._advance: Any = None
-        self._told: list[Outcome] = []  # the last two
+        self._recycler = Recycler(
+            [
+                ((w, c, len(self.columns)), np.float32),
+                ((len(self.info) + 1, c, w), np.float64),
+                ((2, w), np.bool_),
+            ]
+        )
+        self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
+        self._all_begun = False
         self._threads = min(threads or default_threads(), max(1, c * w // _FEWEST))
 
     def __getstate__(self) -> dict[str, Any]:
@@ -138,23 +146,41 @@ class DecisionProcess:
             chosen: (W,) bool.
 
         Raises:
-            PlacementError: when a world has no room for its HAVs.
+            PlacementError: when a world has no room for its HAVs; it then has no episode.
         """
-        placed = ~chosen
-        begin_worlds(
-            self.num_worlds,
-            self.batch.scenario,
-            self.batch.task,
-            self.batch.worlds,
-            seeds,
-            episodes,
-            placed,
-            threads=self._threads,
-        )
-        check_placed(placed, self.batch.scenario)
+        self._begun &= ~chosen
+        self._all_begun = False
         self._between.returns[..., chosen] = 0.0
         if self._driver is not None:
             self._driver.forget(chosen)
+        placed = ~chosen
+        try:
+            begin_worlds(
+                self.num_worlds,
+                self.batch.scenario,
+                self.batch.task,
+                self.batch.worlds,
+                seeds,
+                episodes,
+                placed,
+                threads=self._threads,
+            )
+        finally:  # an interrupt comes when all worlds are done
+            self._begun |= chosen & placed
+            self._all_begun = bool(self._begun.all())
+        check_placed(placed, self.batch.scenario)
+
+    def require_episodes(self, use: str) -> None:
+        """Raise RuntimeError unless every world has an episode, naming what needs it."""
+        if self._all_begun:
+            return
+        missing = np.flatnonzero(~self._begun).tolist()
+        if len(missing) == self.num_worlds:
+            raise RuntimeError(f"call reset before {use}: there is no episode yet")
+        raise RuntimeError(
+            f"call reset before {use}: {len(missing)} of {self.num_worlds} worlds have no episode,"
+            f" for it could not begin, the first of them world {missing[0]}"
+        )
 
     def look(self, chosen: np.ndarray, told: Outcome) -> None:
         """Tell what is seen in the worlds (W,) that are chosen, whose episodes have just begun.
@@ -179,7 +205,11 @@ class DecisionProcess:
 
         Args:
             actions: (W, C, 2) speed and steering from -1 to 1, finite, float64, contiguous.
+
+        Raises:
+            RuntimeError: when a world has no episode.
         """
+        self.require_episodes("step")
         told = self.outcome()
         if self._driver is None:
             self._take(actions, (1, self.frame_skip, 1), told)
@@ -200,20 +230,9 @@ class DecisionProcess:
     def outcome(self) -> Outcome:
         """Return arrays for an outcome; what is in them means nothing yet.
 
-        They are those of an earlier outcome that nobody holds any more, where there is one: large
-        arrays of fresh memory take as long as half a step.
+        Nobody else holds any part of them.
         """
-        for told in self._told:
-            if max(_count_references(told)) == _UNHELD:
-                return told
-        c, w = self.num_controlled, self.num_worlds
-        told = Outcome(
-            np.empty((w, c, len(self.columns)), np.float32),
-            np.empty((len(self.info) + 1, c, w)),
-            np.empty((2, w), np.bool_),
-        )
-        self._told = [*self._told[-1:], told]
-        return told
+        return Outcome(*self._recycler.arrays())
 
 
 def check_finite(actions: np.ndarray) -> None:
@@ -228,10 +247,3 @@ def warn_of_unknown(options: dict[str, Any], known: tuple[str, ...]) -> None:
     for name in sorted(set(options) - set(known), key=str):
         told = f"reset ignores the option {name!r}; known: {', '.join(known)}"
         warnings.warn(told, stacklevel=4)  # who called the environment's reset
-
-
-def _count_references(told: Outcome) -> list[int]:
-    return [sys.getrefcount(array) for array in told]
-
-
-_UNHELD = max(_count_references(Outcome(np.empty(0), np.empty(0), np.empty(0))))

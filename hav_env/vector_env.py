@@ -1,6 +1,7 @@
 """Gymnasium's vector environments: W compiled worlds, stepped together."""
 
 import numbers
+from collections.abc import Mapping
 from typing import Any, Unpack
 
 import numpy as np
@@ -54,15 +55,17 @@ class _WorldsVectorEnv(VectorEnv):
 
         Args:
             seed: of world 0, the others follow; or a list, one for each world. A world begins with
-                the first episode of its seed; with None it goes on to the next one.
+                the first episode of its seed; with None it goes on to the next one. World w of seed
+                s is world w - 1 of seed s + 1: for other episodes in every run, take seeds that are
+                ``num_envs`` apart, or a list.
             options: "reset_mask": (W,) bool, the worlds to reset; the others go on.
 
         Raises:
             ValueError, TypeError: naming what is wrong with seed or options.
         """
+        chosen, seeds = self._chosen(options), self._read_seeds(seed)
         super().reset(seed=int(seed) if isinstance(seed, numbers.Integral) else None)
-        chosen = self._chosen(options or {})
-        self._set_keys(seed, chosen)
+        self._set_keys(seeds, chosen)
         told = self._process.outcome()
         self._begin(chosen)
         self._over = self._over & ~chosen
@@ -77,11 +80,10 @@ class _WorldsVectorEnv(VectorEnv):
 
         Raises:
             ValueError: when the shape is wrong or a number is not finite.
-            RuntimeError: before the first ``reset``; with autoreset disabled, where a world whose
-                episode has ended was not reset.
+            RuntimeError: before the first ``reset``, or after one that failed; with autoreset
+                disabled, where a world whose episode has ended was not reset.
+            PlacementError: when the next episode of a world cannot begin; ``reset`` must follow.
         """
-        if self._seeds is None:
-            raise RuntimeError("call reset before step: there are no episodes yet")
         actions = np.array(actions, float)
         if actions.shape != self.action_space.shape:
             raise ValueError(
@@ -114,38 +116,49 @@ class _WorldsVectorEnv(VectorEnv):
 
     def render(self) -> tuple[Any, ...] | None:
         """Return what is seen of each world: frames (H, W, 3), or lines of text."""
-        if self.render_mode is None or self._seeds is None:
+        if self.render_mode is None:
             return None
+        self._process.require_episodes("render")
         return tuple(self._screen.show(w) for w in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Let go of the viewers."""
         self._screen.close()
 
-    def _chosen(self, options: dict[str, Any]) -> np.ndarray:
+    def _chosen(self, options: dict[str, Any] | None) -> np.ndarray:
+        options = {} if options is None else options
+        if not isinstance(options, Mapping):
+            raise TypeError(f"options is {options!r}, but must be a dict or None")
         warn_of_unknown(options, ("reset_mask",))
         if "reset_mask" not in options:
             return np.ones(self.num_envs, np.bool_)
         mask = options["reset_mask"]
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-            raise TypeError(f"reset_mask must be an array of bool, not {mask!r}")
+            raise TypeError(f"reset_mask is {mask!r}, but must be an array of bool")
         if mask.shape != (self.num_envs,):
             raise ValueError(f"reset_mask has shape {mask.shape}, but must have ({self.num_envs},)")
         if not mask.any():
-            raise ValueError("reset_mask must be true for at least one world")
+            raise ValueError("reset_mask is all false, but must be true for at least one world")
         return mask.copy()
 
-    def _set_keys(self, seed: int | list[int | None] | None, chosen: np.ndarray) -> None:
+    def _read_seeds(self, seed: Any) -> list[int | None]:
+        """Return the seed of each world, None where its episodes go on."""
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, list | tuple | np.ndarray):
+            seeds = list(seed)
+            if len(seeds) != self.num_envs:
+                raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} worlds")
+            for own in seeds:
+                if own is not None:
+                    check_seed(own)
+            return [None if own is None else int(own) for own in seeds]
+        check_seed(seed)
+        check_seed(int(seed) + self.num_envs - 1)  # that of the last world
+        return [int(seed) + w for w in range(self.num_envs)]
+
+    def _set_keys(self, seeds: list[int | None], chosen: np.ndarray) -> None:
         """Set seed and number of the episodes that are about to begin."""
-        if isinstance(seed, numbers.Integral):
-            seeds: list[int | None] = [int(seed) + w for w in range(self.num_envs)]
-        else:
-            seeds = [None] * self.num_envs if seed is None else list(seed)  # type: ignore[arg-type]
-        if len(seeds) != self.num_envs:
-            raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} worlds")
-        for own in seeds:
-            if own is not None:
-                check_seed(own)
         fresh = self._seeds is None
         if self._seeds is None:
             self._seeds = self.np_random.integers(SEED_LIMIT, size=self.num_envs)
@@ -172,15 +185,16 @@ class _WorldsVectorEnv(VectorEnv):
 
     def _final(self, told: Any) -> dict[str, Any]:
         """Return what was seen and reported at the end of the episodes that are over."""
+        over = self._over.copy()  # the caller's, like all that is returned
         observations = np.full(self.num_envs, None, object)
-        for w in np.flatnonzero(self._over):
+        for w in np.flatnonzero(over):
             observations[w] = self._view.observations(told.observation)[w].copy()
-        numbers = np.where(self._over, told.numbers, 0.0)
+        numbers = np.where(over, told.numbers, 0.0)
         return {
             "final_obs": observations,
-            "_final_obs": self._over,
-            "final_info": self._info(numbers, self._over),
-            "_final_info": self._over,
+            "_final_obs": over,
+            "final_info": self._info(numbers, over),
+            "_final_info": over.copy(),
         }
 
 

@@ -9,7 +9,7 @@ from stable_baselines3.common.callbacks import EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
-from hav_env import Task, parallel_env
+from hav_env import PlacementError, RandomPoses, Task, parallel_env
 from train.sb3_env import HAVVecEnv
 
 AHEAD = np.array([1.0, 0.0], np.float32)
@@ -229,9 +229,58 @@ def test_attributes_and_methods_are_found_by_row():
     assert env.get_attr("render_mode") == [None] * 4
     assert env.get_attr("render_mode", [1, 2]) == [None] * 2
     assert env.env_is_wrapped(VecMonitor) == [False] * 4
-    assert env.env_method("close", indices=1) == [None]
+    assert env.env_method("close") == [None] * 4
+    assert env.env_method("close", indices=[3, 2, 1, 0]) == [None] * 4
     env.set_attr("note", 5)
     assert env.get_attr("note", 3) == [5]
+    assert env.get_attr("note", -1) == [5]
+
+
+@pytest.mark.parametrize(
+    ("kind", "indices"),
+    [(ValueError, 1), (ValueError, [0, 1, 2]), (ValueError, 4), (TypeError, 1.0), (TypeError, "0")],
+)
+def test_what_all_rows_share_is_not_set_for_some(kind, indices):
+    env = HAVVecEnv(2)
+    with pytest.raises(kind, match="indices"):
+        env.set_attr("note", 5, indices)
+    with pytest.raises(kind, match="indices"):
+        env.env_method("close", indices=indices)
+    assert not hasattr(env, "note")
+
+
+def test_options_of_a_reset_are_refused():
+    env = HAVVecEnv(2)
+    for none in (None, {}, [{}] * 4):
+        env.set_options(none)
+    for some in ({"episode": 3}, [{}, {}, {}, {"episode": 3}]):
+        with pytest.raises(ValueError, match=r"options is .*, but must be empty"):
+            env.set_options(some)
+
+
+@pytest.mark.parametrize("seed", [-1, 2**32, 2**32 - 3, 0.5, "1", {1}])
+def test_what_is_no_seed_is_refused_and_changes_nothing(seed):
+    env, twin = HAVVecEnv(2), HAVVecEnv(2)
+    for one in (env, twin):
+        one.seed(3)
+    with pytest.raises((ValueError, TypeError), match="seed is"):
+        env.seed(seed)
+    assert np.array_equal(env.reset(), twin.reset())
+
+
+def test_worlds_without_room_are_not_stepped():
+    tight = RandomPoses(num_havs=4, area_factor=2.5, pose_attempts=4, world_attempts=1)
+    env = HAVVecEnv(4, scenario=tight)
+    env.seed(0)
+
+    def reset_until_there_is_no_room():
+        for _ in range(200):
+            env.reset()
+
+    with pytest.raises(PlacementError):
+        reset_until_there_is_no_room()
+    with pytest.raises(RuntimeError, match="call reset before step"):
+        env.step(np.zeros((16, 2)))
 
 
 def test_worlds_are_drawn():

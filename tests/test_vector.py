@@ -6,7 +6,7 @@ import pytest
 from conftest import budget, exactly, leaves, side_by_side
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from hav_env import Observation, Task
+from hav_env import Observation, PlacementError, RandomPoses, Task
 
 NUM_WORLDS, STEPS = budget(5, 3), budget(60, 12)
 SWARM, SINGLE = "hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0"
@@ -176,3 +176,85 @@ def test_no_array_of_a_return_is_an_array_that_the_environment_goes_on_to_use():
             if mode == AutoresetMode.DISABLED and over.any():
                 for env in (one, other):
                     env.reset(options={"reset_mask": over.copy()})
+
+
+TIGHT = RandomPoses(num_havs=4, area_factor=2.5, pose_attempts=4, world_attempts=1)
+
+
+def without_room(env):
+    """Return a seed with which some world, but not all, has no room."""
+    for seed in range(0, 400, 10):
+        try:
+            env.reset(seed=seed)
+        except PlacementError:
+            return seed
+    raise AssertionError("make the scenario tighter")
+
+
+def test_worlds_without_room_are_not_stepped_until_they_begin():
+    env = gym.make_vec(SWARM, num_envs=2, scenario=TIGHT)
+    without_room(env)
+    still = np.zeros(env.action_space.shape)
+    with pytest.raises(RuntimeError, match="call reset before step"):
+        env.step(still)
+    for seed in range(5, 400, 10):
+        try:
+            env.reset(seed=seed)
+            break
+        except PlacementError:
+            continue
+    env.step(still)
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_an_autoreset_without_room_asks_for_a_reset(mode):
+    env = gym.make_vec(SWARM, num_envs=4, scenario=TIGHT, max_steps=1, autoreset_mode=mode)
+    for seed in range(0, 4_000, 10):
+        try:
+            env.reset(seed=seed)
+            break
+        except PlacementError:
+            continue
+    still = np.zeros(env.action_space.shape)
+
+    def step_on():
+        for _ in range(300):
+            env.step(still)
+
+    with pytest.raises(PlacementError):
+        step_on()
+    with pytest.raises(RuntimeError, match="call reset before step"):
+        env.step(still)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kind", "message"),
+    [
+        ({"options": 1}, TypeError, "options is 1, but must be a dict or None"),
+        ({"options": ["reset_mask"]}, TypeError, "options is"),
+        ({"options": {"reset_mask": [True] * 3}}, TypeError, "must be an array of bool"),
+        ({"options": {"reset_mask": np.ones(3)}}, TypeError, "must be an array of bool"),
+        ({"options": {"reset_mask": np.ones(4, bool)}}, ValueError, "reset_mask has shape"),
+        ({"options": {"reset_mask": np.zeros(3, bool)}}, ValueError, "reset_mask is all false"),
+        ({"seed": -1}, ValueError, "seed is -1"),
+        ({"seed": 2**32 - 2}, ValueError, "seed is 4294967296"),
+        ({"seed": [1, 2]}, ValueError, "2 seeds were given for 3 worlds"),
+        ({"seed": [1, 2, -3]}, ValueError, "seed is -3"),
+        ({"seed": {1, 2, 3}}, (TypeError, ValueError), "seed is"),
+        ({"seed": 1.5}, (TypeError, ValueError), "seed is 1.5"),
+        ({"seed": "123"}, (TypeError, ValueError), "seed is"),
+    ],
+)
+def test_a_refused_reset_changes_nothing(arguments, kind, message):
+    env, twin = (gym.make_vec(SWARM, num_envs=3) for _ in range(2))
+    for one in (env, twin):
+        one.reset(seed=7)
+    with pytest.raises(kind, match=message):
+        env.reset(**arguments)
+    assert np.array_equal(env.reset()[0], twin.reset()[0])
+
+
+def test_nothing_is_drawn_before_the_first_reset():
+    env = gym.make_vec(SWARM, num_envs=2, render_mode="ansi")
+    with pytest.raises(RuntimeError, match="call reset before render"):
+        env.render()

@@ -28,6 +28,7 @@ from baselines.policy_files import save_policy
 from baselines.registry import find_policy
 from hav_env import Observation, Reward
 from hav_env.command_line import parse_options
+from hav_env.randomness import SEED_LIMIT
 from train.between import Between
 from train.checkpoints import read_checkpoint, write_checkpoint
 from train.checks import check_arguments
@@ -190,7 +191,9 @@ class Run:
             worlds, gamma=arguments.discount, clip_reward=arguments.reward_limit
         )
         self.learner = make_learner(arguments, self.env)
-        first = TRAINING + arguments.seed * arguments.worlds
+        # no two trainings share episodes, but for those of seeds that come round again
+        rows = self.env.num_envs
+        first = (TRAINING + arguments.seed * rows) % (SEED_LIMIT - rows)
         self.env.seed(first)
         if arguments.begin_with:
             begun = find_policy(arguments.begin_with)()

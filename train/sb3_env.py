@@ -1,11 +1,13 @@
 """The swarm for Stable-Baselines3: every HAV of every world is a row, all rows share one policy."""
 
+import numbers
 from collections.abc import Iterable, Sequence
 from typing import Any, Unpack
 
 import numpy as np
 
 from hav_env.advance import TERMINATED, TRUNCATED
+from hav_env.batch import check_seed
 from hav_env.decision_process import DecisionProcess, Settings, check_finite
 from hav_env.randomness import SEED_LIMIT
 from hav_env.screen import RENDER_FPS, Screen
@@ -49,8 +51,8 @@ class HAVVecEnv(VecEnv):
         self.process = DecisionProcess(num_worlds, **settings)
         self.screen = Screen(render_mode, self.process.batch, ["rgb_array"])
         self.render_mode = render_mode
-        self._keys = np.zeros((2, num_worlds), np.int64)  # seed and number of the episodes
-        self._begun = False
+        # seed and number of the episodes, once there are some
+        self._keys: np.ndarray | None = None
         self._actions = np.zeros((num_worlds, self.process.num_havs, 2))
         rows = num_worlds * self.process.num_havs
         super().__init__(rows, observation_box(self.process), action_box())
@@ -59,17 +61,20 @@ class HAVVecEnv(VecEnv):
         """Begin an episode in every world; return what is seen, (rows, D).
 
         After ``seed`` it is the first episode of each world's seed, otherwise the next one.
+
+        Raises:
+            PlacementError: when a world has no room for its HAVs; ``reset`` must follow.
         """
+        worlds = self.process.num_worlds
         seeds = self._seeds[:: self.process.num_havs]
         if seeds[0] is not None:
-            self._keys[0], self._keys[1] = np.array(seeds) % SEED_LIMIT, 0
-        elif self._begun:
+            self._keys = np.stack([np.array(seeds, np.int64), np.zeros(worlds, np.int64)])
+        elif self._keys is not None:
             self._keys[1] += 1
         else:
-            self._keys[0] = np.random.default_rng().integers(SEED_LIMIT, size=self._keys.shape[1])
-        self._begun = True
+            drawn = np.random.default_rng().integers(SEED_LIMIT, size=worlds)
+            self._keys = np.stack([drawn, np.zeros(worlds, np.int64)])
         self._reset_seeds()
-        self._reset_options()
         told = self.process.outcome()
         self._begin(np.ones(self.process.num_worlds, np.bool_), told)
         self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
@@ -86,8 +91,6 @@ class HAVVecEnv(VecEnv):
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Take the actions; return observations, rewards, ends and infos of all rows."""
-        if not self._begun:
-            raise RuntimeError("call reset before step: there are no episodes yet")
         told = self.process.step(self._actions)
         rewards = told.numbers[-1].T.astype(np.float32).reshape(-1)
         ended = told.ends[TERMINATED] | told.ends[TRUNCATED]
@@ -95,6 +98,7 @@ class HAVVecEnv(VecEnv):
         if ended.any():
             for w in np.flatnonzero(ended).tolist():
                 self._sum_up(told, w, infos)
+            assert self._keys is not None
             self._keys[1, ended] += 1
             self._begin(ended, told)
         dones = np.repeat(ended, self.process.num_havs)
@@ -109,6 +113,7 @@ class HAVVecEnv(VecEnv):
             infos[k]["terminal_observation"] = told.observation[w, k % self.process.num_havs].copy()
 
     def _begin(self, chosen: np.ndarray, told: Any) -> None:
+        assert self._keys is not None
         self.process.begin(self._keys[0], self._keys[1], chosen)
         self.process.look(chosen, told)
         self.screen.forget(chosen)
@@ -119,26 +124,79 @@ class HAVVecEnv(VecEnv):
 
     def get_images(self) -> Sequence[np.ndarray | None]:
         """Return a frame (H, W, 3) of every world."""
+        self.process.require_episodes("render")
         return [self.screen.show(w) for w in range(self.process.num_worlds)]  # type: ignore[misc]
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Let world w begin with the first episode of seed ``seed + w N`` at the next ``reset``.
+
+        World w of a run is world w - 1 of a run whose seed is N larger: for other episodes in every
+        run, take seeds that are ``num_envs`` apart.
+
+        Args:
+            seed: from 0 to 2**32 - ``num_envs``; None draws one.
+
+        Raises:
+            ValueError, TypeError: when this is no seed, or that of the last row is too large.
+        """
+        if seed is None:
+            seed = int(np.random.default_rng().integers(SEED_LIMIT - self.num_envs))
+        check_seed(seed)
+        check_seed(int(seed) + self.num_envs - 1)
+        self._seeds = [int(seed) + row for row in range(self.num_envs)]
+        return self._seeds
+
+    def set_options(self, options: Any = None) -> None:
+        """Take no options: there are none for a reset of these worlds.
+
+        Raises:
+            ValueError: when there are some.
+        """
+        given = options if isinstance(options, list) else [options]
+        if any(given):
+            raise ValueError(f"options is {options!r}, but must be empty: reset takes none here")
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """Return an attribute, the same for all rows."""
         return [getattr(self, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Set an attribute, of all rows at once."""
+        """Set an attribute of all rows.
+
+        Raises:
+            ValueError: when ``indices`` leaves rows out.
+        """
+        self._require_all(indices)
         setattr(self, attr_name, value)
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list:
-        """Call a method, and return its result for every row."""
+        """Call a method once, for all rows, and return its result for each of them.
+
+        Raises:
+            ValueError: when ``indices`` leaves rows out.
+        """
+        self._require_all(indices)
         result = getattr(self, method_name)(*args, **kwargs)
-        return [result for _ in self._get_indices(indices)]
+        return [result for _ in range(self.num_envs)]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
         """Tell that no row is wrapped."""
         return [False for _ in self._get_indices(indices)]
 
-    def _get_indices(self, indices: int | Iterable[int] | None) -> Iterable[int]:
+    def _require_all(self, indices: Any) -> None:
+        if set(self._get_indices(indices)) != set(range(self.num_envs)):
+            raise ValueError(
+                f"indices is {indices!r}, but must be None: all rows share what is set or called"
+            )
+
+    def _get_indices(self, indices: Any) -> list[int]:
+        """Return the rows that are meant; raises ValueError or TypeError where there is none."""
         if indices is None:
-            return range(self.num_envs)
-        return [indices] if isinstance(indices, int) else indices
+            return list(range(self.num_envs))
+        rows = list(indices) if isinstance(indices, Iterable) else [indices]
+        for row in rows:
+            if not isinstance(row, numbers.Integral) or isinstance(row, bool):
+                raise TypeError(f"indices is {indices!r}, but must be whole numbers")
+            if not -self.num_envs <= int(row) < self.num_envs:
+                raise ValueError(f"indices is {indices!r}, but there are {self.num_envs} rows")
+        return [int(row) % self.num_envs for row in rows]

@@ -1,8 +1,11 @@
 """Threads for loops that are free of the GIL."""
 
+import collections
 import concurrent.futures
 import functools
+import itertools
 import os
+import queue
 import threading
 from collections.abc import Callable, Iterable
 
@@ -28,76 +31,110 @@ def default_threads() -> int:
 
 
 def share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
-    """Run a loop over worlds on threads, each of which takes a range of them; this one, too."""
+    """Run a loop over worlds on threads, each of which takes a range of them; this one, too.
+
+    An interrupt (Ctrl-C) is raised when the loop is done everywhere: no world is left behind, and
+    nobody writes into the arrays any more.
+    """
+    _finish_interrupted()
     share = -(-count // (threads * VECTOR)) * VECTOR
     if count <= share:
         loop(0, count, *args)
         return
-    spans = [(first, min(first + share, count)) for first in range(0, count, share)]
-    _team(os.getpid(), threads).run(loop, spans, args)
+    spans = [(first, min(first + share, count), *args) for first in range(0, count, share)]
+    _run(_Batch(loop, spans), _helpers(os.getpid(), threads))
 
 
-class _Helper(threading.Thread):
-    """A thread that waits for something to do.
+class _Batch:
+    """A loop and the ranges of worlds that it is to run over, each of them once.
 
-    It is at hand in a few microseconds. An executor takes a hundred to hand on a job and to hear of
-    its end, which is as long as a thousand worlds take for a step.
+    An interrupt may come between any two instructions of the main thread's Python, but not within a
+    call of C. So what must not be torn apart is one such call: to take a range, run it and note it;
+    to hand the batch on to helpers and note to how many.
     """
 
-    def __init__(self) -> None:
-        super().__init__(name="hav_env", daemon=True)
-        self._begun, self._done = threading.Lock(), threading.Lock()
-        self._begun.acquire()
-        self._done.acquire()
-        self._job: Callable[[], None] | None = None
-        self._error: BaseException | None = None
-        self.start()
+    def __init__(self, loop: Callable, spans: list[tuple]) -> None:
+        self._loop, self._left = loop, iter(spans)
+        self._others = len(spans) - 1
+        self._done: collections.deque[None] = collections.deque()
+        self._seats: list[threading.Lock] = []
+        self._taken: list[None] = []  # as long as seats were handed on
+        self.errors: list[BaseException] = []
 
-    def begin(self, job: Callable[[], None]) -> None:
-        """Run a job; ``end`` must follow."""
-        self._job = job
-        self._begun.release()
+    def hand_on(self, helpers: queue.SimpleQueue) -> None:
+        """Let helpers take part."""
+        self._seats = [threading.Lock() for _ in range(self._others)]
+        for seat in self._seats:
+            seat.acquire()
+        self._taken.extend(map(helpers.put, [(self, seat) for seat in self._seats]))
 
-    def end(self) -> BaseException | None:
-        """Wait for the end of the job; return what it raised."""
-        self._done.acquire()
-        return self._error
-
-    def run(self) -> None:
-        """Run one job after the other."""
+    def work(self) -> None:
+        """Run the loop over ranges until none is left."""
         while True:
-            self._begun.acquire()
-            assert self._job is not None
             try:
-                self._job()
-                self._error = None
-            except BaseException as error:  # it is raised where the job came from
-                self._error = error
-            self._job = None  # lets go of the arrays
-            self._done.release()
+                self._done.extend(itertools.starmap(self._loop, self._left))
+                return
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:  # it is raised where the batch came from
+                self.errors.append(error)
+
+    def finish(self) -> None:
+        """Run what is left, and wait for the helpers; may be called again after an interrupt."""
+        self.work()
+        for seat in self._seats[: len(self._taken)]:
+            with seat:  # free when its helper is done
+                pass
 
 
-class _Team:
-    """Helpers that work on one loop at a time, with whoever asks for it."""
+_running: dict[int, _Batch] = {}  # by the thread that wants it done
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_running.clear)  # its parent's helpers are none of its own
 
-    def __init__(self, size: int) -> None:
-        self._helpers = [_Helper() for _ in range(size)]
-        self._busy = threading.Lock()
 
-    def run(self, loop: Callable, spans: list[tuple[int, int]], args: tuple) -> None:
-        """Run a loop over all spans, the first one on this thread."""
-        begun: list[_Helper] = []
-        errors: list[BaseException] = []
-        with self._busy:
-            try:
-                for helper, span in zip(self._helpers, spans[1:], strict=False):
-                    begun.append(helper)
-                    helper.begin(functools.partial(loop, *span, *args))
-                loop(*spans[0], *args)
-            finally:  # do not leave the arrays to loops that still write
-                errors = [error for helper in begun if (error := helper.end()) is not None]
-        for error in errors:
-            raise error
+def _run(batch: _Batch, helpers: queue.SimpleQueue) -> None:
+    """Run a batch with helpers, and raise what it raised."""
+    here = threading.get_ident()
+    _running[here] = batch
+    try:
+        batch.hand_on(helpers)
+        batch.finish()
+    except BaseException:
+        _finish_interrupted()
+        raise
+    del _running[here]
+    for error in batch.errors:
+        raise error
+
+
+def _finish_interrupted() -> None:
+    """Finish what this thread was interrupted in before something else uses the arrays."""
+    batch = _running.get(threading.get_ident())
+    if batch is not None:
+        batch.finish()
+        _running.pop(threading.get_ident(), None)
+
+
+def _help(helpers: queue.SimpleQueue) -> None:
+    """Take part in one batch after the other."""
+    while True:
+        batch, seat = helpers.get()
+        batch.work()
+        del batch  # lets go of the arrays
+        seat.release()
+
+
+@functools.cache
+def _helpers(process: int, threads: int) -> queue.SimpleQueue:
+    """Return where threads wait for batches; a forked child has none of its parent's.
+
+    They are at hand in a few microseconds. An executor takes a hundred to hand on a job and to hear
+    of its end, which is as long as a thousand worlds take for a step.
+    """
+    waiting: queue.SimpleQueue = queue.SimpleQueue()
+    for _ in range(threads - 1):
+        threading.Thread(target=_help, args=(waiting,), name="hav_env", daemon=True).start()
+    return waiting
 
 
 def run_on_threads(function: Callable, items: Iterable, threads: int | None = None) -> list:
@@ -110,19 +147,15 @@ def run_on_threads(function: Callable, items: Iterable, threads: int | None = No
     threads = threads or default_threads()
     if threads == 1:
         return [function(item) for item in items]
-    jobs = [_pool(os.getpid(), threads).submit(function, item) for item in items]
+    jobs: list[concurrent.futures.Future] = []
     try:
+        for item in items:
+            jobs.append(_pool(os.getpid(), threads).submit(function, item))
         return [job.result() for job in jobs]
     finally:
         for job in jobs:  # after an interrupt: do not start what has not begun, ...
             job.cancel()
         concurrent.futures.wait(jobs)  # ... nor leave the arrays to loops that still write
-
-
-@functools.cache
-def _team(process: int, threads: int) -> _Team:
-    """One team per process, for a forked child has no threads of its parent's."""
-    return _Team(threads - 1)
 
 
 @functools.cache
