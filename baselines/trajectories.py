@@ -4,8 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from baselines.policy import allocate_memory, check_policy, decide, evaded_by
+from baselines.policy import allocate_memory, check_models, decide, evaded_by
 from hav_env import Batch, Task
+from hav_env.fields import check_value
+from hav_env.quantities import Steps
+from hav_env.randomness import Seed
 from hav_env.vehicles import OnAxle
 from hav_env.world import ARTICULATION, FOOTPRINT, HIT_STEP, NEVER, PHASE, REMOVED, STEP
 
@@ -56,9 +59,9 @@ def record_trajectory(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when the scenario has no room for its HAVs.
     """
-    check_policy(policy, scenario, task, vehicle)
-    if every < 1:
-        raise ValueError(f"every is {every}, but must be at least 1")
+    check_models(policy, scenario, task, vehicle)
+    check_value("episode", Seed, episode)
+    check_value("every", Steps, every)
     batch = Batch(scenario, 1, task, vehicle)
     batch.reset(seed, np.array([episode]))
     state, fleet, record = batch.worlds.state, batch.worlds.fleet, batch.worlds.record
@@ -104,7 +107,7 @@ def record_trajectory(
         goals=batch.worlds.goals[..., 0].copy(),
         first=record.first[..., 0].copy(),
         hit_step=record.goal[:, :, HIT_STEP, 0].astype(np.int64),
-        dt=task.dt,
+        dt=float(task.dt),
         policy=type(policy).__name__,
         scenario=type(scenario).__name__,
         seed=int(seed),

@@ -12,6 +12,7 @@ import numpy as np
 from hav_env.advance import Between, Outcome, advance_worlds, look_at_worlds
 from hav_env.batch import Batch, begin_worlds, check_placed
 from hav_env.compiled import VECTOR, canonical, default_threads, share_out
+from hav_env.fields import check_value
 from hav_env.lanes import APART
 from hav_env.observation import (
     ROUTE_SIZE,
@@ -21,6 +22,7 @@ from hav_env.observation import (
     settle,
 )
 from hav_env.others import driver_of
+from hav_env.quantities import Skipped
 from hav_env.report import REPORT
 from hav_env.reward import BEFORE_SIZE, Reward, check_reward
 from hav_env.scenarios.presets import scenario_of
@@ -88,10 +90,9 @@ class DecisionProcess:
         scenario = scenario_of(scenario, num_havs)
         check_observation(observation)
         check_reward(reward)
-        if not isinstance(frame_skip, int | np.integer) or frame_skip < 1:
-            raise ValueError(f"frame_skip is {frame_skip}, but must be a whole number >= 1")
+        check_value("frame_skip", Skipped, frame_skip)
         self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
-        n, w = scenario.num_havs, num_worlds
+        n, w = self.batch.scenario.num_havs, self.batch.num_worlds
         c = n if controlled is None else controlled
         self.num_controlled, self.num_havs, self.num_worlds = c, n, w
         self.frame_skip = int(frame_skip)
