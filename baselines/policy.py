@@ -10,6 +10,7 @@ from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_fro
 from hav_env.fields import check_fields
 from hav_env.kinds import show
 from hav_env.lanes import LANES, block_of, moving_block
+from hav_env.memory import check_memory
 from hav_env.scenarios import check_scenario
 from hav_env.sensing import neighbor_id
 from hav_env.task import check_task
@@ -112,6 +113,7 @@ def allocate_memory(policy, num_havs: int, num_worlds: int) -> np.ndarray:
     The numbers of all lanes lie together for a policy that acts on lanes, otherwise those of a HAV.
     """
     size = memory_size(policy)
+    check_memory("num_worlds", num_worlds, 8 * num_havs * (size + 1) * num_worlds)
     if type(policy) in act_lanes.table:
         return np.zeros((num_havs, size, num_worlds))
     # a gap, and never one lane, so that NumPy never finds them in order: that is compiled anew

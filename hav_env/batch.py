@@ -8,13 +8,14 @@ from hav_env.compiled import canonical, default_threads, entry, lanes_from
 from hav_env.fields import check_value
 from hav_env.kinds import show
 from hav_env.lanes import LANES, block_of, view_of
+from hav_env.memory import check_memory
 from hav_env.quantities import Threads, Worlds
 from hav_env.randomness import SEED_LIMIT, Seed
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.task import END, Task, check_task
 from hav_env.transition import begin, remove_arrived, step
 from hav_env.vehicles import OnAxle, check_vehicle
-from hav_env.world import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds
+from hav_env.world import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds, world_size
 
 _FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
 
@@ -45,6 +46,7 @@ class Batch:
     Attributes:
         worlds: the arrays, see ``hav_env.world``; the world is their last axis.
         scenario, task, vehicle: what the worlds are, by which rules, and how HAVs move.
+        bytes_per_world: how much memory each takes.
     """
 
     def __init__(
@@ -62,7 +64,8 @@ class Batch:
             threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
 
         Raises:
-            ValueError: naming the argument, its value and what is allowed.
+            ValueError: naming the argument, its value and what is allowed; when the machine has
+                less memory than the worlds need.
             TypeError: when an argument is of another kind, or the scenario's type not registered.
         """
         check_value("num_worlds", Worlds, num_worlds)
@@ -75,6 +78,9 @@ class Batch:
         self.threads = threads
         self._begun = False
         shape = self.scenario.num_havs, self.scenario.max_trailers + 1, self.scenario.num_goals
+        self.bytes_per_world = world_size(*shape)
+        check_memory("num_havs", shape[0], self.bytes_per_world)
+        check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
         self.worlds: World = allocate_worlds(self.num_worlds, *shape)
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:

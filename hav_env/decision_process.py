@@ -9,11 +9,12 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from hav_env.advance import Between, Outcome, advance_worlds, look_at_worlds
+from hav_env.advance import Between, Outcome, advance_worlds, look_at_worlds, outcome_size
 from hav_env.batch import Batch, begin_worlds, check_placed
 from hav_env.compiled import VECTOR, canonical, default_threads, share_out
 from hav_env.fields import check_value
 from hav_env.lanes import APART
+from hav_env.memory import check_memory
 from hav_env.observation import (
     ROUTE_SIZE,
     Observation,
@@ -99,6 +100,8 @@ class DecisionProcess:
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
         self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
+        told = outcome_size(c, len(self.columns), len(self.info))
+        check_memory("num_worlds", w, (self.batch.bytes_per_world + told) * w)
         driver = None if others is None else driver_of(others, self.batch, c)
         self._driver = driver if c < n else None  # nobody is left to be driven
         self._reward = canonical(reward)

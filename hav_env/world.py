@@ -10,6 +10,7 @@ argument of every kernel, and compiling and calling slow down with their number.
 """
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,7 +110,13 @@ class World(NamedTuple):
     units: int  # to how many units of a HAV loops reach
 
 
-def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: int) -> World:
+def allocate_worlds(
+    num_worlds: int,
+    num_havs: int,
+    num_units: int,
+    num_goals: int,
+    zeros: Callable[..., np.ndarray] = np.zeros,
+) -> World:
     """Return the arrays of a batch; a scenario fills them.
 
     Until then they hold HAVs that wait far from each other, which costs little to step along.
@@ -119,10 +126,10 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
     searched = n if n > FEW else 0
 
     def real(*shape: int) -> np.ndarray:
-        return np.zeros((*shape, w))
+        return zeros((*shape, w), np.float64)
 
     def whole(*shape: int) -> np.ndarray:
-        return np.zeros((*shape, w), np.int64)
+        return zeros((*shape, w), np.int64)
 
     far_apart = real(n) + 1e6 * np.arange(n)[:, None]  # [m]
     waiting = np.ones((n, w), np.bool_)
@@ -137,14 +144,25 @@ def allocate_worlds(num_worlds: int, num_havs: int, num_units: int, num_goals: i
             whole(n),
             whole(n, n - 1),
             real(n, 6),
-            np.zeros((w, 4, buckets if searched else 0), np.int64),
-            np.zeros((w, 3, searched)),
+            zeros((w, 4, buckets if searched else 0), np.int64),
+            zeros((w, 3, searched), np.float64),
         ),
         Record(whole(n, 3, 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
         0,
         num_worlds,
         num_units,
     )
+
+
+def world_size(num_havs: int, num_units: int, num_goals: int) -> int:
+    """Return how many bytes the arrays of one world take; nothing is allocated."""
+
+    def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
+        return np.broadcast_to(kind(0), shape)
+
+    worlds = allocate_worlds(1, num_havs, num_units, num_goals, unbacked)
+    parts = (*worlds.state, *worlds.fleet, worlds.goals, *worlds.nearby, *worlds.record)
+    return sum(part.nbytes for part in parts)
 
 
 @kernel
