@@ -5,17 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from baselines.policy import (
-    act_lanes,
-    check_parameters,
-    evaded_by,
-    memory_size,
-    require_at_least,
-)
+from baselines.policy import act_lanes, check_parameters, evaded_by, memory_size
 from baselines.pursuit import goal_attraction
 from hav_env.compiled import kernel
 from hav_env.elementary import atan2, exp, sincos
 from hav_env.geometry import clip
+from hav_env.quantities import Articulation, Coefficient, Distance, Duration, Factor, Release
 from hav_env.sensing import (
     articulation_direction,
     limits,
@@ -35,26 +30,26 @@ from hav_env.sensing import (
 class AvoidJack(NamedTuple):
     """The paper's reference policy, section IV. Its open choices are named here."""
 
-    b: float = 0.5
+    b: Coefficient = 0.5
     """Offset of the jackknife weight 1 + tanh(b - c cos(articulation)), eq.
     (jackknife-weigt-func)."""
-    c: float = 2.0
+    c: Coefficient = 2.0
     """Slope of the jackknife weight."""
-    beta: float = math.radians(75.0)
+    beta: Articulation = math.radians(75.0)
     """Articulation threshold [rad] of eq. (vmax), which bounds the speed; the paper's fleets may
     always drive their 1 m/s."""
-    dt: float = 0.2
+    dt: Duration = 0.2
     """Reaction time [s] of eq. (vmax): the duration of a step, ``Task.dt``."""
-    close_factor: float = 3.5
+    close_factor: Factor = 3.5
     """"Close to goal" means within this many truck lengths. The paper leaves it open; 3.5 fits its
     goals and jackknifes of single HAVs (docs/reproduction.md)."""
-    straight_below: float = 1e-3
+    straight_below: Distance = 1e-3
     """A turn at the start of the Dubins path shorter than this counts as none [m]. The paper
     says nothing of it; rounding makes some threshold necessary."""
-    evasion_truck_share: float = 0.0
+    evasion_truck_share: Factor = 0.0
     """A HAV evades when the distance of the trucks falls below the collision distance d_ih plus
     this share of both trucks' lengths. The paper names d_ih alone."""
-    evasion_release: float = 1.0
+    evasion_release: Release = 1.0
     """Evasion ends when the distance exceeds this many times the distance at which it starts. The
     paper leaves the end open; 1 is the least that its text needs. A HAV out of sensing range is
     no longer evaded: a larger factor may need a larger ``Task.sensing_range``."""
@@ -73,12 +68,8 @@ EVADED, FORWARD, LEFT, WEIGHT = range(4)
 @check_parameters.register
 def _(policy: AvoidJack, scenario) -> None:
     limit = scenario.articulation_max
-    if not 0 < policy.beta < limit:  # eq. (vmax) would allow no speed
-        raise ValueError(f"policy beta is {policy.beta}, but must be above 0 and below {limit:.6g}")
-    if not policy.dt > 0:
-        raise ValueError(f"policy dt is {policy.dt}, but must be above 0 s")
-    require_at_least(policy, 0.0, ("close_factor", "straight_below", "evasion_truck_share"))
-    require_at_least(policy, 1.0, ("evasion_release",))
+    if not policy.beta < limit:  # eq. (vmax) would allow no speed
+        raise ValueError(f"policy beta is {policy.beta}, but must be below {limit:.6g}")
 
 
 @memory_size.register

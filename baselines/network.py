@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from baselines.policy import act_lanes, check_parameters, memory_size, require_at_least
+from baselines.policy import act_lanes, check_parameters, memory_size
 from hav_env.advance import to_command
 from hav_env.compiled import VECTOR, fixed, kernel
 from hav_env.elementary import exp
@@ -17,6 +17,7 @@ from hav_env.observation import (
     plan_route,
     settle,
 )
+from hav_env.quantities import AboveZero, Skipped, Trailers
 from hav_env.sensing import episode_key, limits
 
 
@@ -35,12 +36,12 @@ class Network(NamedTuple):
     """(D,) float64."""
     scale: np.ndarray
     """(D,) float64."""
-    limit: float
-    frame_skip: int
+    limit: AboveZero
+    frame_skip: Skipped
     """For how many steps an action is held; new ones are taken at its multiples."""
     observation: Observation
     """What is observed; settled, so that it tells the number of neighbours."""
-    max_trailers: int
+    max_trailers: Trailers
     """Of the observation."""
 
 
@@ -74,7 +75,6 @@ def _(policy: Network) -> int:
 
 @check_parameters.register
 def _(policy: Network, scenario) -> None:
-    require_at_least(policy, 1, ("frame_skip",))
     seen = settle(policy.observation, scenario.num_havs), scenario.max_trailers
     if seen != (policy.observation, policy.max_trailers):
         raise ValueError(

@@ -7,8 +7,14 @@ import numpy as np
 
 from hav_env import Batch, OnAxle, Task
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
+from hav_env.fields import check_fields
+from hav_env.kinds import show
 from hav_env.lanes import LANES, block_of, moving_block
+from hav_env.memory import check_memory
+from hav_env.scenarios import check_scenario
 from hav_env.sensing import neighbor_id
+from hav_env.task import check_task
+from hav_env.vehicles import check_vehicle
 from hav_env.world import NEVER
 
 
@@ -78,14 +84,6 @@ def act_worlds(first, last, policy, memory, worlds, speed, steering):
         )
 
 
-def require_at_least(policy, least: float, fields: tuple[str, ...]) -> None:
-    """Raise ValueError unless the fields of a policy are at least ``least``."""
-    for field in fields:
-        if getattr(policy, field) < least:
-            value = getattr(policy, field)
-            raise ValueError(f"policy {field} is {value}, but must be at least {least:g}")
-
-
 @functools.singledispatch
 def memory_size(policy) -> int:
     """Return K, how many numbers a HAV under this policy keeps between steps."""
@@ -115,6 +113,7 @@ def allocate_memory(policy, num_havs: int, num_worlds: int) -> np.ndarray:
     The numbers of all lanes lie together for a policy that acts on lanes, otherwise those of a HAV.
     """
     size = memory_size(policy)
+    check_memory("num_worlds", num_worlds, 8 * num_havs * (size + 1) * num_worlds)
     if type(policy) in act_lanes.table:
         return np.zeros((num_havs, size, num_worlds))
     # a gap, and never one lane, so that NumPy never finds them in order: that is compiled anew
@@ -129,24 +128,37 @@ def find_kernel(model_class: type) -> Callable | None:
 def check_policy(policy, scenario, task=Task(), vehicle=OnAxle()) -> None:
     """Check a policy before it is used in a scenario, under rules, on a kind of vehicle.
 
+    These have been checked by themselves.
+
     Raises:
-        TypeError: when its type has no kernel.
-        ValueError: when a parameter is not a finite number, or not allowed by its policy.
+        TypeError: when its type has no kernel, or a parameter has a value of another kind.
+        ValueError: naming the parameter, its value and what is allowed.
     """
     if find_kernel(type(policy)) is None:
-        raise TypeError(f"{policy!r} is not a policy: register its type with act")
-    for field, value in policy._asdict().items():
-        if not np.isfinite(value).all():
-            raise ValueError(f"policy {field} is {value}, but must be finite")
+        raise TypeError(f"{show(policy)} is not a policy: register its type with act")
+    check_fields("policy", policy)
     check_parameters(policy, scenario)
     check_rules(policy, scenario, task, vehicle)
+
+
+def check_models(policy, scenario, task, vehicle) -> None:
+    """Check all that an episode is run with.
+
+    Raises:
+        TypeError: when one of them is none of its kind.
+        ValueError: naming the field, its value and what is allowed.
+    """
+    check_scenario(scenario)
+    check_task(task)
+    check_vehicle(vehicle)
+    check_policy(policy, scenario, task, vehicle)
 
 
 @functools.singledispatch
 def check_parameters(policy, scenario) -> None:
     """Check what one kind of policy demands of its parameters and the scenario's limits.
 
-    Registered by policies that demand more than finite numbers; raises ValueError.
+    Registered by policies that demand more than the ranges of their fields; raises ValueError.
     """
 
 

@@ -2,24 +2,20 @@
 
 from typing import NamedTuple
 
-from baselines.policy import act, check_parameters, require_at_least
+from baselines.policy import act
 from hav_env.compiled import kernel
 from hav_env.dubins import shortest_path_towards, turns
+from hav_env.quantities import Distance, Factor
 from hav_env.sensing import goal_direction, goal_pose, limits, stable_radius, unit_length
 
 
 class DubinsPursuit(NamedTuple):
     """Follow the shortest Dubins path to the goal; no regard for trailers and other HAVs."""
 
-    close_factor: float = 3.5
+    close_factor: Factor = 3.5
     """"Close to goal" means within this many truck lengths; see ``AvoidJack.close_factor``."""
-    straight_below: float = 1e-3
+    straight_below: Distance = 1e-3
     """A first turn shorter than this counts as none [m]; see ``AvoidJack.straight_below``."""
-
-
-@check_parameters.register
-def _(policy: DubinsPursuit, scenario) -> None:
-    require_at_least(policy, 0.0, ("close_factor", "straight_below"))
 
 
 @act.register(DubinsPursuit)

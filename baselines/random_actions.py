@@ -2,7 +2,8 @@
 
 from typing import NamedTuple
 
-from baselines.policy import act, check_parameters, require_at_least
+from baselines.policy import act
+from hav_env.quantities import Steps
 from hav_env.randomness import uniform
 from hav_env.sensing import episode_key, limits
 
@@ -10,13 +11,8 @@ from hav_env.sensing import episode_key, limits
 class Random(NamedTuple):
     """Draw speed and steering evenly from what the HAV can do, anew at intervals."""
 
-    hold: int = 1
+    hold: Steps = 1
     """For how many steps an action is held."""
-
-
-@check_parameters.register
-def _(policy: Random, scenario) -> None:
-    require_at_least(policy, 1, ("hold",))
 
 
 @act.register(Random)

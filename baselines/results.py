@@ -142,7 +142,7 @@ def describe(experiments: Experiments) -> dict:
             }
         if isinstance(value, np.ndarray):
             return hashlib.sha256(value.tobytes()).hexdigest()
-        return value
+        return value.item() if isinstance(value, np.generic) else value
 
     code = find_kernel(type(experiments.policy)), run_experiments, source_digest
     return {

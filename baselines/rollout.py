@@ -6,8 +6,9 @@ import numpy as np
 import pyarrow as pa
 
 from baselines.metrics import tabulate
-from baselines.policy import act_all, allocate_memory, check_policy
+from baselines.policy import act_all, allocate_memory, check_models
 from hav_env import Batch, Task
+from hav_env.batch import read_episodes
 from hav_env.compiled import (
     VECTOR,
     canonical,
@@ -130,10 +131,11 @@ def rollout(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when a scenario has no room for its HAVs.
     """
-    check_policy(policy, scenario, task, vehicle)
-    if len(episodes) == 0:
+    check_models(policy, scenario, task, vehicle)
+    episodes = read_episodes(episodes)
+    if episodes.size == 0:
         raise ValueError("episodes is empty, but must hold at least one number")
-    batch = Batch(scenario, len(episodes), task, vehicle, threads)
+    batch = Batch(scenario, episodes.size, task, vehicle, threads)
     batch.reset(seed, episodes)
     state = batch.worlds.state
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
@@ -141,7 +143,7 @@ def rollout(
     # ones first, for they take longest.
     order = np.lexsort(-batch.worlds.fleet.num_trailers[::-1])
     roll = functools.partial(_roll, canonical(policy), batch)
-    threads = threads or default_threads()
+    threads = int(threads or default_threads())
     run_on_threads(roll, _shares(order, threads), threads)
     return tabulate(batch.worlds, start, policy)
 

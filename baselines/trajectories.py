@@ -4,10 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from baselines.policy import allocate_memory, check_policy, decide, evaded_by
+from baselines.policy import allocate_memory, check_models, decide, evaded_by
 from hav_env import Batch, Task
+from hav_env.fields import check_value
+from hav_env.quantities import Steps
+from hav_env.randomness import Seed
 from hav_env.vehicles import OnAxle
-from hav_env.world import ARTICULATION, FOOTPRINT, HIT_STEP, NEVER, OUTSIDE, PHASE, STEP
+from hav_env.world import ARTICULATION, FOOTPRINT, HIT_STEP, NEVER, PHASE, REMOVED, STEP
 
 
 class Trajectory(NamedTuple):
@@ -56,33 +59,36 @@ def record_trajectory(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when the scenario has no room for its HAVs.
     """
-    check_policy(policy, scenario, task, vehicle)
-    if every < 1:
-        raise ValueError(f"every is {every}, but must be at least 1")
+    check_models(policy, scenario, task, vehicle)
+    check_value("episode", Seed, episode)
+    check_value("every", Steps, every)
     batch = Batch(scenario, 1, task, vehicle)
     batch.reset(seed, np.array([episode]))
     state, fleet, record = batch.worlds.state, batch.worlds.fleet, batch.worlds.record
     memory = allocate_memory(policy, len(state.x), 1)
-    rows = []
+    rows, place = [], np.zeros((2, *state.x.shape))
 
     def keep(speed: np.ndarray, steering: np.ndarray, evaded: np.ndarray) -> None:
-        now = (state.x, state.y, state.heading, state.waiting, speed, steering, evaded)
+        removed = record.total[:, REMOVED] != 0.0
+        now = (*place, state.heading, state.waiting, removed, speed, steering, evaded)
         rows.append([*state.clock[[STEP, PHASE], 0], *(values[..., 0].copy() for values in now)])
 
+    def note_places() -> None:
+        np.copyto(place, [state.x, state.y], where=record.total[:, REMOVED] == 0.0)
+
+    note_places()
     while not batch.ended[0]:
         speed, steering = decide(policy, memory, batch)
         if state.clock[STEP, 0] % every == 0:
             # a HAV that waits is not asked, and its memory tells of an earlier state
             keep(speed, steering, np.where(state.waiting, NEVER, evaded_by(policy, memory)))
         batch.step(speed, steering)
+        note_places()
     undecided = np.full(state.x.shape, np.nan)
     keep(undecided, undecided, np.full(state.x.shape, NEVER))
-    step, phase, x, y, heading, waiting, speed, steering, evaded = map(
+    step, phase, x, y, heading, waiting, removed, speed, steering, evaded = map(
         np.array, zip(*rows, strict=True)
     )
-    removed = x >= OUTSIDE
-    for row, hav in np.argwhere(removed):  # row after row, so that places are handed on
-        x[row, hav] = x[row - 1, hav]
     return Trajectory(
         step=step,
         x=x,
@@ -101,7 +107,7 @@ def record_trajectory(
         goals=batch.worlds.goals[..., 0].copy(),
         first=record.first[..., 0].copy(),
         hit_step=record.goal[:, :, HIT_STEP, 0].astype(np.int64),
-        dt=task.dt,
+        dt=float(task.dt),
         policy=type(policy).__name__,
         scenario=type(scenario).__name__,
         seed=int(seed),

@@ -25,6 +25,11 @@ class Outcome(NamedTuple):
 TERMINATED, TRUNCATED = range(2)
 
 
+def outcome_size(controlled: int, columns: int, numbers: int) -> int:
+    """Return how many bytes of one world all take that telling of it needs at a time."""
+    return controlled * (2 * 4 * columns + 4 * 8 * numbers)
+
+
 class Between(NamedTuple):
     """What is kept from action to action, and scratch."""
 

@@ -1,17 +1,21 @@
 """A batch of worlds that share a scenario: owns the arrays; reset and step."""
 
-import numbers
+from typing import Any
 
 import numpy as np
 
 from hav_env.compiled import canonical, default_threads, entry, lanes_from
+from hav_env.fields import check_value
+from hav_env.kinds import show
 from hav_env.lanes import LANES, block_of, view_of
-from hav_env.randomness import SEED_LIMIT
+from hav_env.memory import check_memory
+from hav_env.quantities import Threads, Worlds
+from hav_env.randomness import SEED_LIMIT, Seed
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.task import END, Task, check_task
 from hav_env.transition import begin, remove_arrived, step
 from hav_env.vehicles import OnAxle, check_vehicle
-from hav_env.world import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds
+from hav_env.world import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds, world_size
 
 _FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
 
@@ -42,6 +46,7 @@ class Batch:
     Attributes:
         worlds: the arrays, see ``hav_env.world``; the world is their last axis.
         scenario, task, vehicle: what the worlds are, by which rules, and how HAVs move.
+        bytes_per_world: how much memory each takes.
     """
 
     def __init__(
@@ -59,27 +64,25 @@ class Batch:
             threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
 
         Raises:
-            ValueError: when a parameter of scenario or task is not allowed, naming it.
-            TypeError: when the scenario is of a type that is not registered.
+            ValueError: naming the argument, its value and what is allowed; when the machine has
+                less memory than the worlds need.
+            TypeError: when an argument is of another kind, or the scenario's type not registered.
         """
-        if num_worlds < 1:
-            raise ValueError(f"num_worlds is {num_worlds}, but must be at least 1")
-        if threads is not None and (not isinstance(threads, int) or threads < 1):
-            raise ValueError(f"threads is {threads}, but must be a whole number of at least 1")
+        check_value("num_worlds", Worlds, num_worlds)
+        check_value("threads", Threads | None, threads)
         check_scenario(scenario)
         check_task(task)
         check_vehicle(vehicle)
         self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
-        self.num_worlds = num_worlds
+        self.num_worlds = int(num_worlds)
         self.threads = threads
         self._begun = False
-        self.worlds: World = allocate_worlds(
-            num_worlds,
-            scenario.num_havs,
-            scenario.max_trailers + 1,
-            scenario.num_goals,
-            self.task.continuous_collisions,
-        )
+        units, goals = self.scenario.max_trailers + 1, self.scenario.num_goals
+        shape = self.scenario.num_havs, units, goals, self.task.continuous_collisions
+        self.bytes_per_world = world_size(*shape)
+        check_memory("num_havs", shape[0], self.bytes_per_world)
+        check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
+        self.worlds: World = allocate_worlds(self.num_worlds, *shape)
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
         """Begin an episode in every world.
@@ -96,13 +99,11 @@ class Batch:
         check_seed(seed)
         if episodes is None:
             episodes = np.arange(self.num_worlds)
-        episodes = np.ascontiguousarray(episodes, np.int64)
+        episodes = read_episodes(episodes)
         if episodes.shape != (self.num_worlds,):
             raise ValueError(
                 f"episodes has shape {episodes.shape}, not (W,) = ({self.num_worlds},)"
             )
-        if episodes.min() < 0 or episodes.max() >= SEED_LIMIT:
-            raise ValueError(f"episodes must be from 0 to {SEED_LIMIT - 1}")
         placed = np.zeros(self.num_worlds, np.bool_)
         begin_worlds(
             self.num_worlds,
@@ -165,10 +166,28 @@ class Batch:
         return over
 
 
-def check_seed(seed: int) -> None:
-    """Raise ValueError unless the seed is a whole number of 32 bits."""
-    if not isinstance(seed, numbers.Integral) or not 0 <= seed < SEED_LIMIT:
-        raise ValueError(f"seed is {seed}, but must be from 0 to {SEED_LIMIT - 1}")
+def check_seed(seed: Any) -> None:
+    """Raise ValueError or TypeError unless the seed is a whole number of 32 bits."""
+    check_value("seed", Seed, seed)
+
+
+def read_episodes(episodes: Any) -> np.ndarray:
+    """Return the numbers of episodes as int64.
+
+    Raises:
+        ValueError: when one is out of range; TypeError: when they are no whole numbers.
+    """
+    try:
+        array = np.asarray(episodes)
+    except ValueError:  # lists of unequal lengths
+        array = np.array(None)
+    if array.dtype.kind not in "iu" and array.size > 0:
+        told = f"must be whole numbers from 0 to {SEED_LIMIT - 1}"
+        raise TypeError(f"episodes is {show(episodes)}, but {told}")
+    if array.size > 0 and (array.min() < 0 or array.max() >= SEED_LIMIT):
+        worst = array[(array < 0) | (array >= SEED_LIMIT)].flat[0]
+        raise ValueError(f"episodes holds {worst}, but must be from 0 to {SEED_LIMIT - 1}")
+    return np.ascontiguousarray(array, np.int64)
 
 
 def check_placed(placed: np.ndarray, scenario) -> None:

@@ -5,17 +5,19 @@ from gymnasium import spaces
 
 from hav_env.batch import Batch
 from hav_env.observation.layout import LENGTH_UNIT, MOST_UNITS
-from hav_env.world import COSINE, OUTSIDE, PHASE, SINE, STEP, X, Y
+from hav_env.world import COSINE, PHASE, REMOVED, SINE, STEP, X, Y
 
 POSITION_UNIT, MOST_POSITIONS = 100.0, 100.0  # [m]; where positions are cut
+_TILE = POSITION_UNIT * MOST_POSITIONS  # [m]
 
 
 class CentralState:
     """Reads the states of the worlds of a batch.
 
     Attributes:
-        names: of the entries: the clock, then HAV after HAV. Positions are in 100 m, lengths in
-            10 m, time in episodes; a HAV that has been removed is all zeros.
+        names: of the entries: the clock, then HAV after HAV. Positions are in 100 m from the
+            origin, in a world far from it from the nearest point whose coordinates are multiples
+            of 10 km; lengths are in 10 m, time in episodes. A HAV that was removed is all zeros.
         space: of the states.
     """
 
@@ -39,6 +41,9 @@ class CentralState:
         """Return the state of a world, (len(names),) float32."""
         batch, worlds = self._batch, self._batch.worlds
         state, goal = worlds.state, worlds.state.goal[..., w]
+        # the same for a whole episode, and (0, 0) for worlds that are drawn; as large coordinates
+        # float32 and the bounds of the space would keep nothing of where HAVs are
+        origin = _TILE * np.rint(worlds.goals[:, :, [X, Y], w].mean(axis=(0, 1)) / _TILE)
         waits, place = state.waiting[:, w], np.stack([state.x[:, w], state.y[:, w]], axis=1)
         cosine, sine = state.cosine[..., w], state.sine[..., w]
         ahead_cosine, ahead_sine = cosine[:, :-1], sine[:, :-1]
@@ -49,17 +54,17 @@ class CentralState:
                 np.ones(len(waits)),
                 waits,
                 (num_goals - state.clock[PHASE, w] - waits) / num_goals,
-                place / POSITION_UNIT,
+                (place - origin) / POSITION_UNIT,
                 cosine[:, 0],
                 sine[:, 0],
-                goal[:, [X, Y]] / POSITION_UNIT,
+                (goal[:, [X, Y]] - origin) / POSITION_UNIT,
                 goal[:, [COSINE, SINE]],
                 np.where(present, worlds.fleet.length[..., w] / LENGTH_UNIT, 0.0),
                 present[:, 1:] * (cosine[:, 1:] * ahead_cosine + sine[:, 1:] * ahead_sine),
                 present[:, 1:] * (sine[:, 1:] * ahead_cosine - cosine[:, 1:] * ahead_sine),
             ]
         )
-        rows[state.x[:, w] >= OUTSIDE] = 0.0
+        rows[worlds.record.total[:, REMOVED, w] != 0.0] = 0.0
         time = state.clock[STEP, w] / batch.task.max_steps
         row = np.concatenate([[time], rows.ravel()]).astype(np.float32)
         return row.clip(self.space.low, self.space.high)

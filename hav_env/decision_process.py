@@ -8,10 +8,12 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from hav_env.advance import Between, Outcome, advance_worlds, look_at_worlds
+from hav_env.advance import Between, Outcome, advance_worlds, look_at_worlds, outcome_size
 from hav_env.batch import Batch, begin_worlds, check_placed
 from hav_env.compiled import VECTOR, canonical, default_threads, share_out
+from hav_env.fields import check_value
 from hav_env.lanes import APART
+from hav_env.memory import check_memory
 from hav_env.observation import (
     ROUTE_SIZE,
     Observation,
@@ -20,6 +22,7 @@ from hav_env.observation import (
     settle,
 )
 from hav_env.others import driver_of
+from hav_env.quantities import Skipped
 from hav_env.recycling import Recycler
 from hav_env.report import REPORT
 from hav_env.reward import BEFORE_SIZE, Reward, check_reward
@@ -88,16 +91,17 @@ class DecisionProcess:
         scenario = scenario_of(scenario, num_havs)
         check_observation(observation)
         check_reward(reward)
-        if not isinstance(frame_skip, int | np.integer) or frame_skip < 1:
-            raise ValueError(f"frame_skip is {frame_skip}, but must be a whole number >= 1")
+        check_value("frame_skip", Skipped, frame_skip)
         self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
-        n, w = scenario.num_havs, num_worlds
+        n, w = self.batch.scenario.num_havs, self.batch.num_worlds
         c = n if controlled is None else controlled
         self.num_controlled, self.num_havs, self.num_worlds = c, n, w
         self.frame_skip = int(frame_skip)
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
         self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
+        told = outcome_size(c, len(self.columns), len(self.info))
+        check_memory("num_worlds", w, (self.batch.bytes_per_world + told) * w)
         driver = None if others is None else driver_of(others, self.batch, c)
         self._driver = driver if c < n else None  # nobody is left to be driven
         self._reward = canonical(reward)

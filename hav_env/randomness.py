@@ -6,12 +6,15 @@ not, and reaching draw k needs none of the draws before it.
 """
 
 import math
+from typing import Annotated
 
 from hav_env.compiled import kernel, rare_kernel
+from hav_env.kinds import Range
 
 _MASK = 0xFFFFFFFF
 _PARITY = 0x1BD11BDA
 SEED_LIMIT = 2**32  # seeds and episode numbers are words of 32 bits
+Seed = Annotated[int, Range(0, SEED_LIMIT - 1, said=f"from 0 to {SEED_LIMIT - 1}")]
 
 
 @kernel

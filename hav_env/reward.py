@@ -4,14 +4,14 @@ A reward is a NamedTuple of weights whose type selects the kernel that works out
 field ``progress`` is the weight of the term of that name. A HAV that waits gets nothing.
 """
 
-import functools
-import math
 from typing import NamedTuple
 
 from hav_env.collision import collision_distance, front_gap
 from hav_env.compiled import fixed, generic, kernel
 from hav_env.events import goals_hit
+from hav_env.fields import check_model
 from hav_env.geometry import clip
+from hav_env.quantities import Weight
 from hav_env.world import (
     ACTUAL,
     ARTICULATION,
@@ -30,29 +30,29 @@ WAITED, HITS, REMAINING, JACKKNIFED, COLLIDED, BEFORE_SIZE = range(6)
 class Reward(NamedTuple):
     """Weights of the terms; the reward of a step is the sum of weight times term."""
 
-    progress: float = 0.1
+    progress: Weight = 0.1
     """For each metre by which the Dubins path to the goal under way, drivable, became shorter.
     Over an episode these add up to the lengths of the paths at their beginnings less what is left
     at the end (potential-based: Ng, Harada and Russell, 1999), so nothing can be gained by driving
     to and fro."""
-    goal: float = 10.0
+    goal: Weight = 10.0
     """For a goal that was hit."""
-    jackknife: float = -10.0
+    jackknife: Weight = -10.0
     """For the first jackknife of an episode."""
-    actual_collision: float = -10.0
+    actual_collision: Weight = -10.0
     """For the first actual collision of an episode."""
-    potential_collision: float = -1.0
+    potential_collision: Weight = -1.0
     """For each second, times how deep the footprint circle of the nearest HAV has been entered: 0
     at the collision distance, 1 where both trucks are at the same place."""
-    proximity: float = 0.0
+    proximity: Weight = 0.0
     """For each second, times how near the truck's front axle is to the chain of another HAV,
     squared: 0 from 5 m on, 1 where they touch. Not worked out where its weight is 0."""
-    articulation: float = -0.1
+    articulation: Weight = -0.1
     """For each second, times how near the largest articulation is to its limit, squared: 0 up to
     half of the limit, 1 at the limit."""
-    steering: float = -0.01
+    steering: Weight = -0.01
     """For each second, times the square of steering over its maximum."""
-    time: float = -0.02
+    time: Weight = -0.02
     """For each second."""
 
 
@@ -76,19 +76,14 @@ def reward_terms(reward, duration, world, agent, before, remaining, terms):
     """
 
 
-@functools.singledispatch
 def check_reward(reward) -> None:
     """Check the weights.
 
     Raises:
-        ValueError: naming the weight that is not a finite number.
-        TypeError: when this is no reward.
+        ValueError: naming the weight, its value and what is allowed.
+        TypeError: when this is no reward, or a weight is no number.
     """
-    if type(reward) not in reward_terms.table:
-        raise TypeError(f"{reward!r} is not a reward: register its type with reward_terms")
-    for field, value in reward._asdict().items():
-        if not isinstance(value, int | float) or not math.isfinite(value):
-            raise ValueError(f"reward {field} is {value}, but must be a finite number")
+    check_model("reward", reward, reward_terms)
 
 
 @kernel

@@ -1,7 +1,9 @@
 """The rules of an episode: its clock, what counts as reaching a goal, what ends it, sensing."""
 
-import math
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
+
+from hav_env.fields import check_value
+from hav_env.quantities import AngleTolerance, Distance, Duration, Steps, Tolerance
 
 # what compiled code sees of a word: its place among those that are allowed
 REMOVE = END = 1
@@ -10,15 +12,15 @@ REMOVE = END = 1
 class Task(NamedTuple):
     """The rules of an episode; the defaults are the paper's, section V."""
 
-    dt: float = 0.2
+    dt: Duration = 0.2
     """Duration of a step [s]."""
-    distance_tolerance: float = 0.5
+    distance_tolerance: Tolerance = 0.5
     """A goal is hit when the truck's rear axle is less than this away, d_e^G [m], ..."""
-    heading_tolerance: float = 0.1
+    heading_tolerance: AngleTolerance = 0.1
     """... and its heading differs by less than this, d_h^G [rad]."""
-    max_steps: int = 20_000
+    max_steps: Steps = 20_000
     """An episode ends after this many steps, if not all last goals were hit before."""
-    sensing_range: float = 30.0
+    sensing_range: Distance = 30.0
     """A HAV senses another when the gap between their reaches is at most this [m]. The paper needs
     the collision distance only (0); more serves policies that look ahead."""
     on_goal: Literal["park", "remove"] = "park"
@@ -37,11 +39,10 @@ def set_rules(task: Task, **rules) -> Task:
     """Return the task with other rules, checked: ``set_rules(Task(), on_goal="remove")``.
 
     Raises:
-        TypeError: when this is no task or there is no such rule.
+        TypeError: when this is no task, there is no such rule, or a value is of another kind.
         ValueError: when a value is not allowed.
     """
-    if not isinstance(task, Task):
-        raise TypeError(f"task is {task!r}, but must be a Task")
+    check_value("task", Task, task)
     unknown = sorted(set(rules) - set(Task._fields))
     if unknown:
         raise TypeError(f"unknown argument {unknown[0]!r}; rules are: {', '.join(Task._fields)}")
@@ -54,23 +55,7 @@ def check_task(task: Task) -> None:
     """Check the rules of an episode.
 
     Raises:
+        TypeError: when this is no task, or a field has a value of another kind.
         ValueError: naming the field, its value and what is allowed.
     """
-    for field in ("dt", "distance_tolerance", "heading_tolerance"):
-        value = getattr(task, field)
-        if not (math.isfinite(value) and value > 0):
-            raise ValueError(f"task {field} is {value}, but must be finite and above 0")
-    if not isinstance(task.max_steps, int) or task.max_steps < 1:
-        raise ValueError(f"task max_steps is {task.max_steps}, but must be a whole number >= 1")
-    if not (math.isfinite(task.sensing_range) and task.sensing_range >= 0):
-        raise ValueError(
-            f"task sensing_range is {task.sensing_range}, but must be finite and at least 0"
-        )
-    for field in ("on_goal", "on_jackknife", "on_collision"):
-        value, allowed = getattr(task, field), get_args(Task.__annotations__[field])
-        if value not in allowed:
-            raise ValueError(f"task {field} is {value!r}, but must be {' or '.join(allowed)}")
-    if not isinstance(task.continuous_collisions, bool):
-        raise TypeError(
-            f"task continuous_collisions is {task.continuous_collisions!r}, but must be a bool"
-        )
+    check_value("task", Task, task)

@@ -20,14 +20,16 @@ from hav_env.world import (
     ACTUAL,
     EPISODE,
     JACKKNIFE,
-    OUTSIDE,
     PHASE,
+    REMOVED,
     SEED,
     SPEED,
     STEERING,
     STEP,
     WHEN,
 )
+
+_OUTSIDE, _APART = 1e13, 1e8  # [m] where HAVs stand that were removed
 
 
 @kernel
@@ -140,11 +142,17 @@ def remove_arrived(task, world):
 
 @rare_kernel
 def _remove_arrived(task, world):
-    state = world.state
+    """Put who leaves where nobody can come: it touches nobody, and nobody senses it.
+
+    A HAV that drives straight on from the farthest start for the longest episode comes 1e12 m far;
+    places are farther from each other than the longest range and two reaches.
+    """
+    removed = world.record.total[:, REMOVED]
     for lane in range(world.lanes):
-        for agent in range(state.x.shape[0]):
-            if arrived(world, agent, lane) and state.x[agent, lane] < OUTSIDE:
-                state.x[agent, lane] = OUTSIDE * (agent + 1)
+        for agent in range(removed.shape[0]):
+            if arrived(world, agent, lane) and removed[agent, lane] == 0.0:
+                removed[agent, lane] = 1.0
+                world.state.x[agent, lane] = _OUTSIDE + _APART * agent
                 alone = block_of(world, lane, 1, world.units)
                 enclose(alone, agent)
                 if task.continuous_collisions:

@@ -11,6 +11,8 @@ from gymnasium.vector.utils import batch_space
 from hav_env.advance import TERMINATED, TRUNCATED
 from hav_env.batch import check_seed
 from hav_env.decision_process import DecisionProcess, Settings, check_finite, warn_of_unknown
+from hav_env.fields import check_value
+from hav_env.quantities import Worlds
 from hav_env.randomness import SEED_LIMIT
 from hav_env.screen import RENDER_FPS, Screen
 from hav_env.views import EgoView, JointView, Team
@@ -221,6 +223,7 @@ class HAVSwarmVectorEnv(_WorldsVectorEnv):
         Raises:
             ValueError, TypeError: naming the argument, its value and what is allowed.
         """
+        check_value("num_envs", Worlds, num_envs)
         process = DecisionProcess(num_envs, **settings)
         view = JointView(process, team_reward, flatten)
         super().__init__(process, view, autoreset_mode, render_mode)
@@ -239,5 +242,6 @@ class HAVSingleVectorEnv(_WorldsVectorEnv):
     ) -> None:
         """Build the environments; arguments as for ``HAVSwarmVectorEnv`` and ``HAVSingleEnv``."""
         settings.setdefault("scenario", "paper-single")
+        check_value("num_envs", Worlds, num_envs)
         process = DecisionProcess(num_envs, 1, others, **settings)
         super().__init__(process, EgoView(process), autoreset_mode, render_mode)

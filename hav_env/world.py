@@ -10,6 +10,7 @@ argument of every kernel, and compiling and calling slow down with their number.
 """
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -40,7 +41,6 @@ class State(NamedTuple):
 AHEAD_SPEED, AHEAD_COSINE, AHEAD_SINE = range(3)
 X, Y, HEADING, COSINE, SINE, DISTANCE = range(6)  # of a goal [m, m, rad]; how far it is [m]
 STEP, PHASE, SEED, EPISODE = range(4)  # steps done; goal under way; the key of the episode
-OUTSIDE = 1e7  # [m] a HAV that was removed from the world stands at this x or beyond
 
 
 class Fleet(NamedTuple):
@@ -78,7 +78,7 @@ class Record(NamedTuple):
     """What has happened to each HAV since the episode began."""
 
     first: Array  # (N, 3, 2, W) JACKKNIFE .. ACTUAL: WHEN (step) and WHERE (joint or partner)
-    total: Array  # (N, 3, W) columns LARGEST .. MOVED
+    total: Array  # (N, 4, W) columns LARGEST .. REMOVED
     goal: Array  # (N, G, 6, W) columns HIT_STEP .. CLOSEST
     miss: Array  # (N, G, 2, 3 + U - 1, W) HEADING_MISS, EUCLIDEAN_MISS: MISS_COUNT ..
 
@@ -87,8 +87,8 @@ NEVER = -1
 JACKKNIFE, POTENTIAL, ACTUAL = range(3)
 WHEN, WHERE = range(2)
 # largest articulation [rad], not wrapped: beyond pi the HAV folded through; driven path [m];
-# steps in which the HAV was not waiting
-LARGEST, PATH, MOVED = range(3)
+# steps in which the HAV was not waiting; 1.0 once it was removed from the world
+LARGEST, PATH, MOVED, REMOVED = range(4)
 # at the hit: step, distance [m], absolute heading difference [rad], path driven since the episode
 # began [m]; Dubins length with R_min from where the goal was assigned, least distance so far [m]
 HIT_STEP, HIT_DISTANCE, HIT_HEADING, HIT_PATH, DUBINS, CLOSEST = range(6)
@@ -112,7 +112,12 @@ class World(NamedTuple):
 
 
 def allocate_worlds(
-    num_worlds: int, num_havs: int, num_units: int, num_goals: int, continuous: bool = False
+    num_worlds: int,
+    num_havs: int,
+    num_units: int,
+    num_goals: int,
+    continuous: bool = False,
+    zeros: Callable[..., np.ndarray] = np.zeros,
 ) -> World:
     """Return the arrays of a batch; a scenario fills them.
 
@@ -127,10 +132,10 @@ def allocate_worlds(
     searched = n if n > FEW else 0
 
     def real(*shape: int) -> np.ndarray:
-        return np.zeros((*shape, w))
+        return zeros((*shape, w), np.float64)
 
     def whole(*shape: int) -> np.ndarray:
-        return np.zeros((*shape, w), np.int64)
+        return zeros((*shape, w), np.int64)
 
     far_apart = real(n) + 1e6 * np.arange(n)[:, None]  # [m]
     waiting = np.ones((n, w), np.bool_)
@@ -146,14 +151,25 @@ def allocate_worlds(
             whole(n, n - 1),
             real(n, 6),
             real(n, 2 + 2 * u if continuous else 0),
-            np.zeros((w, 4, buckets if searched else 0), np.int64),
-            np.zeros((w, 3, searched)),
+            zeros((w, 4, buckets if searched else 0), np.int64),
+            zeros((w, 3, searched), np.float64),
         ),
-        Record(whole(n, 3, 2), real(n, 3), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
+        Record(whole(n, 3, 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
         0,
         num_worlds,
         num_units,
     )
+
+
+def world_size(num_havs: int, num_units: int, num_goals: int, continuous: bool = False) -> int:
+    """Return how many bytes the arrays of one world take; nothing is allocated."""
+
+    def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
+        return np.broadcast_to(kind(0), shape)
+
+    worlds = allocate_worlds(1, num_havs, num_units, num_goals, continuous, unbacked)
+    parts = (*worlds.state, *worlds.fleet, worlds.goals, *worlds.nearby, *worlds.record)
+    return sum(part.nbytes for part in parts)
 
 
 @kernel

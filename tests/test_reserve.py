@@ -34,6 +34,7 @@ def test_a_hav_that_is_alone_arrives_at_both_goals_and_never_jackknifes():
     [
         (Task(dt=0.1), OnAxle(), "policy dt is 0.2, but must be the task's, 0.1"),
         (Task(distance_tolerance=0.2), OnAxle(), "policy distance_tolerance is 0.5, but must be"),
+        (Task(distance_tolerance=1.0), OnAxle(), "policy distance_tolerance is 0.5, but must be"),
         (Task(heading_tolerance=0.05), OnAxle(), "policy heading_tolerance is 0.1, but must be"),
         (Task(), OnAxle(simultaneous=True), "but Reserve predicts every step of OnAxle"),
     ],
@@ -44,7 +45,7 @@ def test_rules_that_it_does_not_know_are_refused(task, vehicle, said):
         rollout(Reserve(), scenario, 1, np.arange(1), task, vehicle)
     with pytest.raises(ValueError, match=said):
         PolicyDriver("reserve", Batch(scenario, 1, task, vehicle))
-    check_policy(Reserve(), scenario, Task(distance_tolerance=1.0))
+    check_policy(Reserve(distance_tolerance=1.0), scenario, Task(distance_tolerance=1.0))
 
 
 def one_fleet(**limits):
@@ -56,9 +57,9 @@ def one_fleet(**limits):
     [
         (one_fleet(), Task(sensing_range=0.0), "sensing_range is 0 m, but must be at least 0.4 m"),
         (one_fleet(speed_max=3.0), Task(sensing_range=1.0), "must be at least 1.2 m"),
-        (one_fleet(), Task(dt=20.0), "a step of 20 m, but must be at most 4 m, twice the shortest"),
+        (one_fleet(), Task(dt=10.0), "a step of 10 m, but must be at most 4 m, twice the shortest"),
         (one_fleet(speed_max=100.0), Task(), "a step of 20 m, but must be at most 4 m"),
-        (one_fleet(speed_max=1e4), Task(), "a step of 2000 m, but must be at most 4 m"),
+        (one_fleet(speed_max=1e3), Task(), "a step of 200 m, but must be at most 4 m"),
         (one_fleet(speed_max=1e-5), Task(), "a step of 2e-06 m, but must be at least"),
         (one_fleet(speed_max=1e-9), Task(), "a step of 2e-10 m, but must be at least"),
         (one_fleet(), Task(dt=1e-3), "a step of 0.001 m, but must be at least"),
@@ -69,6 +70,34 @@ def one_fleet(**limits):
 def test_what_the_theorems_assume_is_checked(scenario, task, said):
     with pytest.raises(ValueError, match=said):
         check_policy(Reserve(dt=task.dt), scenario, task)
+
+
+@pytest.mark.parametrize(
+    ("policy", "said"),
+    [
+        (Reserve(part=0.1), "a step of 0.2 m, but must be at most policy part, 0.1 m"),
+        (Reserve(margin=0.0), "policy margin is 0.0, but must be at least 0.01 m"),
+    ],
+)
+def test_what_leaves_no_part_or_no_margin_is_refused(policy, said):
+    with pytest.raises(ValueError, match=said):
+        check_policy(policy, one_fleet())
+
+
+@pytest.mark.parametrize(
+    ("limit", "longest", "trailers", "share"),
+    [(90.0, 0.6, 1, 1.99), (90.0, 0.6, 1, 2.0), (120.0, 0.6, 1, 1.4), (160.0, 0.6, 1, 0.7)],
+)
+def test_no_joint_folds_through_within_one_step(limit, longest, trailers, share):
+    """Cosines did not tell that an articulation had jumped across the forbidden ones."""
+    fleet = RandomFleet(
+        **{"max_trailers": trailers, "min_length": 0.5, "max_length": longest},
+        **{"short_truck_mean": 0.55, "long_truck_mean": 0.6, "speed_max": share * 0.5 / 0.2},
+        **{"steering_max": math.radians(58.0), "articulation_max": math.radians(limit)},
+    )
+    scenario = RandomPoses(num_havs=1, num_goals=3, fleet=fleet)
+    seen = drive(scenario, 11, range(budget(24, 1)), budget(600, 3), policy=Reserve(shortlists=4))
+    assert seen.largest.max() < math.radians(limit)
 
 
 def test_an_explicit_scenario_is_measured_by_its_own_units():

@@ -95,8 +95,3 @@ def test_whoever_leaves_the_world_sweeps_nothing_on_the_way_out():
         batch.step(np.array([[0.5], [0.0]]), np.zeros((2, 1)))
     assert batch.worlds.state.waiting[0, 0]
     assert (batch.worlds.record.first[:, ACTUAL, WHEN, 0] == -1).all()
-
-
-def test_what_is_no_switch_is_refused():
-    with pytest.raises(TypeError, match="task continuous_collisions is 1, but must be a bool"):
-        Batch(THROUGH, 1, Task(continuous_collisions=1))

@@ -12,6 +12,7 @@ from test_rendering import SIZE, frame_of, scene
 
 from hav_env.rendering import describe, scene_of
 from hav_env.rendering.viewer import Viewer
+from hav_env.world import REMOVED
 
 
 def test_an_unknown_render_mode_is_refused():
@@ -159,6 +160,9 @@ def test_a_scene_shows_the_world_of_a_batch():
     np.testing.assert_array_equal(seen.evaded, [1, -1])
     assert not (seen.removed | seen.jackknifed | seen.collided | seen.waiting).any()
     put(batch.worlds, [3.0, 6.0, 5.0], -2e6, 2.0, w=1, agent=1)
+    far = scene_of(batch.worlds, 1, 0.2)
+    np.testing.assert_array_equal(far.removed, [False, False])  # only far away
+    batch.worlds.record.total[1, REMOVED, 1] = 1.0
     batch.worlds.state.waiting[0, 1] = True
     np.testing.assert_allclose(seen.x, [1.0, 20.0])  # a copy
     parked = scene_of(batch.worlds, 1, 0.2, np.array([1, 0]))

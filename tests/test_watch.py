@@ -234,7 +234,7 @@ def test_a_window_shows_the_frames_of_a_film(recorder, capsys):
         (["watch", "random", "--output", "{}/run.gif", "--fps", "0"], "fps is 0"),
         (["watch", "random", "--record", "{}/run.npz", "--every", "0"], "every is 0"),
         (["watch", "random", "--record", "{}/run.npz", "--seed", "-1"], "seed is -1"),
-        (["watch", "random", "--record", "{}/run.npz", "--episode", "-1"], "episodes must be"),
+        (["watch", "random", "--record", "{}/run.npz", "--episode", "-1"], "episode is -1"),
         (["watch", "random", "--record", "{}/run.npz", "--task.max-steps", "0"], "max_steps is 0"),
         (["watch", "random", "--record", "{}/run.npz", "--policy.hold", "0"], "hold is 0"),
         (["watch", "random", "--record", "{}/run.npz", "--scenario", "moon"], "unknown scenario"),

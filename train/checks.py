@@ -1,19 +1,43 @@
 """What a training's arguments must be, beside what environments and learners check."""
 
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
-
-from hav_env.batch import check_seed
-from train.curriculum import check_curriculum
-
-# of a single number there is no deviation, by which advantages are divided
-_LEAST = {"rollout_decisions": 2, "batch_size": 2, "hold_noise": 0, "runners": 0}
-_POSITIVE = (
-    *("learning_rate", "deviation", "least_deviation", "clip_range", "target_divergence"),
-    *("reward_limit", "reward_scale"),
+from hav_env.fields import check_fields
+from hav_env.kinds import Range
+from hav_env.quantities import (
+    ABOVE_ZERO,
+    AboveZero,
+    Factor,
+    Skipped,
+    Spread,
+    Steps,
+    Threads,
+    Worlds,
 )
-_SHARES = ("discount", "gae_lambda")
+from hav_env.randomness import Seed
+
+Decisions = Annotated[int, Range(1, 10**12)]
+# of a single number there is no deviation, by which advantages are divided
+Several = Annotated[int, Range(2, 10**8)]
+Epochs = Annotated[int, Range(1, 10**4)]
+Episodes = Annotated[int, Range(1, 10**7)]
+Held = Annotated[int, Range(0, 10**6)]  # actions; 0 for none
+Runners = Annotated[int, Range(0, 1_024)]
+Discount = Annotated[float, Range(ABOVE_ZERO, 1.0, said="in (0, 1]")]
+Layers = tuple[Annotated[int, Range(1, 10_000)], ...]  # units of each
+_MOST_LAYERS = 16
+
+__all__ = [
+    "AboveZero",
+    "Factor",
+    "Seed",
+    "Skipped",
+    "Spread",
+    "Steps",
+    "Threads",
+    "Worlds",
+    "check_arguments",
+]
 
 
 def check_arguments(arguments: Any) -> None:
@@ -23,19 +47,10 @@ def check_arguments(arguments: Any) -> None:
         arguments: a dataclass of some of the arguments of ``train.ppo`` and ``train.rllib``.
 
     Raises:
+        TypeError: when an argument is of another kind.
         ValueError: naming the argument, its value and what is allowed.
     """
-    check_curriculum(arguments.curriculum)
-    check_seed(arguments.seed)
-    for name, kind in type(arguments).__annotations__.items():
-        value = getattr(arguments, name)
-        if kind is int and name != "seed" and value < _LEAST.get(name, 1):
-            raise ValueError(f"{name} is {value}, but must be at least {_LEAST.get(name, 1)}")
-        if name in _POSITIVE and not 0 < value < np.inf:
-            raise ValueError(f"{name} is {value}, but must be above 0")
-        if name in _SHARES and not 0 < value <= 1:
-            raise ValueError(f"{name} is {value}, but must be in (0, 1]")
-    if not arguments.layers or min(arguments.layers) < 1:
-        raise ValueError(f"layers is {arguments.layers}, but must name at least one unit each")
-    if not 0 <= arguments.entropy < np.inf:
-        raise ValueError(f"entropy is {arguments.entropy}, but must be at least 0")
+    check_fields("", arguments)
+    if not 1 <= len(arguments.layers) <= _MOST_LAYERS:
+        told = f"must name the units of 1 to {_MOST_LAYERS} layers"
+        raise ValueError(f"layers is {arguments.layers}, but {told}")

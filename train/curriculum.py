@@ -3,6 +3,8 @@
 from typing import Any, NamedTuple
 
 from hav_env import Reward
+from hav_env.fields import check_relations, check_value
+from hav_env.quantities import Share
 
 
 class Curriculum(NamedTuple):
@@ -12,11 +14,11 @@ class Curriculum(NamedTuple):
     collision costs more than all the goals that they have not found yet.
     """
 
-    share: float = 0.5
+    share: Share = 0.5
     """Of the weights of harm, at the beginning; 1 for no curriculum."""
-    begin: float = 0.1
+    begin: Share = 0.1
     """Part of the training after which harm begins to weigh more ..."""
-    end: float = 0.5
+    end: Share = 0.5
     """... and from which on it has its full weight."""
 
 
@@ -38,11 +40,14 @@ def check_curriculum(curriculum: Curriculum) -> None:
     """Check a curriculum.
 
     Raises:
+        TypeError: when this is none, or a field has a value of another kind.
         ValueError: naming the field, its value and what is allowed.
     """
-    for field, value in curriculum._asdict().items():
-        if not 0 <= value <= 1:
-            raise ValueError(f"curriculum {field} is {value}, but must be from 0 to 1")
+    check_value("curriculum", Curriculum, curriculum)
+
+
+@check_relations.register
+def _(curriculum: Curriculum) -> None:
     if curriculum.end < curriculum.begin:
         end, begin = curriculum.end, curriculum.begin
         raise ValueError(f"curriculum end is {end}, but must be at least its begin, {begin}")

@@ -29,9 +29,9 @@ from baselines.registry import find_policy
 from hav_env import Observation, Reward
 from hav_env.command_line import parse_options
 from hav_env.randomness import SEED_LIMIT
+from train import checks
 from train.between import Between
 from train.checkpoints import read_checkpoint, write_checkpoint
-from train.checks import check_arguments
 from train.curriculum import Curriculum
 from train.exercise import CURRICULUM, OBSERVATION, REWARD, settings_of
 from train.export import network_of
@@ -51,65 +51,65 @@ class Arguments:
     """Its name, or a JSON file."""
     output: pathlib.Path = pathlib.Path("runs/ppo")
     """Folder of the run."""
-    seed: int = 0
+    seed: checks.Seed = 0
     """The same seed gives the same weights, on the same machine with the same versions."""
     begin_with: str = ""
     """A trained policy to begin with, by name or file; what it does not observe is ignored at
     first."""
-    decisions: int = 30_000_000
+    decisions: checks.Decisions = 30_000_000
     """For how long to learn: actions of all HAVs together."""
-    worlds: int = 512
+    worlds: checks.Worlds = 512
     """How many run side by side."""
-    rollout_decisions: int = 64
+    rollout_decisions: checks.Several = 64
     """Actions of each HAV between updates."""
-    batch_size: int = 4_096
-    epochs: int = 4
+    batch_size: checks.Several = 4_096
+    epochs: checks.Epochs = 4
     """How often each action is learned from."""
-    learning_rate: float = 5e-4
+    learning_rate: checks.AboveZero = 5e-4
     """At the beginning; it falls to nothing along a straight line."""
-    discount: float = 0.995
+    discount: checks.Discount = 0.995
     """For each action."""
-    gae_lambda: float = 0.95
-    clip_range: float = 0.2
-    target_divergence: float = 0.02
+    gae_lambda: checks.Discount = 0.95
+    clip_range: checks.AboveZero = 0.2
+    target_divergence: checks.AboveZero = 0.02
     """Mean KL divergence from the policy that drove, from which on an update ends early."""
-    entropy: float = 0.0
+    entropy: checks.Factor = 0.0
     """Weight of the entropy bonus."""
-    deviation: float = 0.4
+    deviation: checks.AboveZero = 0.4
     """Standard deviation of actions at the beginning; with ``hold_noise`` of the weights that make
     it of the last hidden layer, so that of actions is several times as large."""
-    least_deviation: float = 0.08
+    least_deviation: checks.AboveZero = 0.08
     """Below which it does not fall. Who learns with noise keeps away from what noise would lead to;
     without it, margins shrink to nothing, and so do the steps that are safe to learn with."""
-    hold_noise: int = 0
+    hold_noise: checks.Held = 0
     """For how many actions the noise that explores is the same function of the state (gSDE, Raffin
     et al. 2021): so HAVs try to wait for a while, not for an instant. 0 for independent noise."""
-    reward_limit: float = 100.0
+    reward_limit: checks.AboveZero = 100.0
     """To which rewards are cut once they are normalized; Stable-Baselines3's 10 makes accidents
     cheap."""
-    layers: tuple[int, ...] = (64, 64)
+    layers: checks.Layers = (64, 64)
     """Units of the hidden layers, of the policy and of the value."""
-    frame_skip: int = 5
+    frame_skip: checks.Skipped = 5
     """For how many steps of the simulator an action is held."""
-    max_steps: int = 4_000
+    max_steps: checks.Steps = 4_000
     """Of an episode to train on, in steps of the simulator; those of evaluations are the task's."""
     observation: Observation = OBSERVATION
     """What a HAV observes of others; of no more than there are."""
-    trailer_sigma: float = 4.5
+    trailer_sigma: checks.Spread = 4.5
     """Of the trailer counts to train on, see ``RandomFleet``; evaluations have the scenario's."""
     reward: Reward = REWARD
     """Weights of its terms."""
     curriculum: Curriculum = CURRICULUM
     """How the weights of harm grow."""
-    evaluate_every: int = 2_000_000
+    evaluate_every: checks.Decisions = 2_000_000
     """Decisions between evaluations."""
-    evaluation_episodes: int = 500
+    evaluation_episodes: checks.Episodes = 500
     """Held-out episodes of an evaluation."""
-    scored_episodes: int = 4_500
+    scored_episodes: checks.Episodes = 4_500
     """Episodes that the best policy is scored on at the end: others, used for nothing else."""
-    checkpoint_every: int = 2_000_000
+    checkpoint_every: checks.Decisions = 2_000_000
     """Decisions between checkpoints."""
-    threads: int = 1
+    threads: checks.Threads = 1
     """Of the simulator and of PyTorch. The weights depend on it, for PyTorch sums differently."""
 
 
@@ -279,7 +279,7 @@ def main(words: list[str] | None = None) -> int:
     logging.basicConfig(format="%(message)s")
     try:
         arguments, resumed = read_arguments(sys.argv[1:] if words is None else words)
-        check_arguments(arguments)
+        checks.check_arguments(arguments)
         run = Run(arguments)
         if resumed:
             run.go_on()

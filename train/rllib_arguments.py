@@ -4,6 +4,7 @@ import dataclasses
 import pathlib
 
 from hav_env import Observation, Reward
+from train import checks
 from train.curriculum import Curriculum
 from train.exercise import CURRICULUM, OBSERVATION, REWARD
 
@@ -18,48 +19,48 @@ class Arguments:
     """Folder of the run."""
     address: str | None = None
     """Of a Ray cluster, HOST:PORT or auto; by default one is started on this machine."""
-    seed: int = 0
+    seed: checks.Seed = 0
     """Of the episodes and the weights."""
-    decisions: int = 5_000_000
+    decisions: checks.Decisions = 5_000_000
     """For how long to learn: actions of all HAVs together."""
-    runners: int = 0
+    runners: checks.Runners = 0
     """Processes that drive, on a core each; with 0 the one that learns drives too."""
-    worlds: int = 32
+    worlds: checks.Worlds = 32
     """How many each process has side by side."""
-    rollout_decisions: int = 128
+    rollout_decisions: checks.Several = 128
     """Actions of each HAV between updates."""
-    batch_size: int = 1_024
-    epochs: int = 8
+    batch_size: checks.Several = 1_024
+    epochs: checks.Epochs = 8
     """How often each action is learned from."""
-    learning_rate: float = 5e-4
+    learning_rate: checks.AboveZero = 5e-4
     """At the beginning; it falls to nothing along a straight line."""
-    discount: float = 0.995
+    discount: checks.Discount = 0.995
     """For each action."""
-    gae_lambda: float = 0.95
-    clip_range: float = 0.2
-    entropy: float = 0.0
+    gae_lambda: checks.Discount = 0.95
+    clip_range: checks.AboveZero = 0.2
+    entropy: checks.Factor = 0.0
     """Weight of the entropy bonus."""
-    deviation: float = 0.4
+    deviation: checks.AboveZero = 0.4
     """Standard deviation of actions at the beginning."""
-    layers: tuple[int, ...] = (64, 64)
+    layers: checks.Layers = (64, 64)
     """Units of the hidden layers, of the policy and of the value."""
-    frame_skip: int = 5
+    frame_skip: checks.Skipped = 5
     """For how many steps of the simulator an action is held."""
-    max_steps: int = 4_000
+    max_steps: checks.Steps = 4_000
     """Of an episode to train on, in steps of the simulator; those of evaluations are the task's."""
     observation: Observation = OBSERVATION
     """What a HAV observes of others; of no more than there are."""
-    trailer_sigma: float = 4.5
+    trailer_sigma: checks.Spread = 4.5
     """Of the trailer counts to train on, see ``RandomFleet``; evaluations have the scenario's."""
     reward: Reward = REWARD
     """Weights of its terms."""
-    reward_scale: float = 0.1
+    reward_scale: checks.AboveZero = 0.1
     """Times which the reward is learned from: RLlib does not normalize it."""
     curriculum: Curriculum = CURRICULUM
     """How the weights of harm grow."""
-    evaluate_every: int = 200_000
+    evaluate_every: checks.Decisions = 200_000
     """Decisions between evaluations."""
-    evaluation_episodes: int = 500
+    evaluation_episodes: checks.Episodes = 500
     """Held-out episodes of an evaluation."""
 
 

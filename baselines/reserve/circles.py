@@ -113,7 +113,7 @@ def circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact):
         return True
     if not exact:
         return _drive_coarsely(rows, x, y, heading, side, shift, margin)
-    wide = max(margin, _COARSE)
+    wide = max(margin, _COARSE) + rows[OWN_SAG]
     return _drive_coarsely(rows, x, y, heading, side, shift, wide) or _drive_exactly(
         policy, rows, x, y, heading, side, shift, margin
     )

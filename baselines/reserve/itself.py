@@ -26,9 +26,11 @@ from baselines.reserve.layout import (
     OWN_STRIDE,
     OWN_TIGHTEST,
     OWN_TRAILERS,
+    OWN_WINDOW,
 )
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.elementary import sincos
+from hav_env.geometry import TWO_PI
 from hav_env.sensing import (
     articulation_direction,
     episode_key,
@@ -79,7 +81,9 @@ def _sense_body(policy, rows, world, agent, lane):
     speed, _, articulation_max = limits(world, agent, lane)
     cosine, sine = steering_direction(world, agent, lane)
     rows[OWN_STEP], rows[OWN_STEEPEST] = speed * policy.dt, sine / cosine
-    bend, rows[OWN_BOUND] = sincos(articulation_max - policy.articulation_margin)
+    bound = articulation_max - policy.articulation_margin
+    bend, rows[OWN_BOUND] = sincos(bound)
+    rows[OWN_WINDOW] = TWO_PI - 2.0 * bound
     bend = bend if rows[OWN_BOUND] > 0.0 else 1.0
     rows[OWN_TIGHTEST] = truck * cosine / sine
     # R_min of eq. (rmin) counts the truck as well, of which trailers know nothing

@@ -81,6 +81,7 @@ OWN_FOOTPRINT = _next()  # [m]
 OWN_STEP = _next()  # what it drives in a step [m]; 0.0 until it has sensed itself
 OWN_STEEPEST = _next()  # tangent of the maximum steering angle
 OWN_BOUND = _next()  # cosine of the largest articulation that is allowed
+OWN_WINDOW = _next()  # change of an articulation that may fold a joint through [rad]
 OWN_TIGHTEST = _next()  # radius of the truck's tightest circle, l^0 / tan(phi^max) [m]
 OWN_HITCH = _next()  # least radius on which trailers can follow for good [m]
 OWN_CIRCLE = _next()  # radius of the circle that can be driven on for ever [m]

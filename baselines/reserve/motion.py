@@ -14,6 +14,7 @@ from baselines.reserve.layout import (
     OWN_STEEPEST,
     OWN_STEP,
     OWN_TRAILERS,
+    OWN_WINDOW,
     PATH,
 )
 from baselines.reserve.paths import heading_at
@@ -43,7 +44,8 @@ def advance_chain(rows, x, y, turn, distance):
         turn: of the truck [rad]; distance: what the rear axle then moves [m].
 
     Returns:
-        x, y and the least cosine of all articulations.
+        x, y and the least cosine of all articulations, -2.0 where a joint may have folded through:
+        cosines do not tell whole turns apart.
     """
     sine, cosine = sincos(turn)
     before_cosine, before_sine = rows[CHAIN], rows[CHAIN + 1]
@@ -55,14 +57,17 @@ def advance_chain(rows, x, y, turn, distance):
     for unit in range(1, int(rows[OWN_TRAILERS]) + 1):
         at = CHAIN + 2 * unit
         _, bend = into_frame(rows[at], rows[at + 1], ahead_cosine, ahead_sine)
-        sine, cosine = sincos(-distance * bend / rows[OWN_LENGTHS + unit])
+        own_turn = -distance * bend / rows[OWN_LENGTHS + unit]
+        sine, cosine = sincos(own_turn)
         own_cosine = rows[at] * cosine - rows[at + 1] * sine
         own_sine = rows[at + 1] * cosine + rows[at] * sine
         straightness, _ = into_frame(own_cosine, own_sine, ahead_cosine, ahead_sine)
         rows[at], rows[at + 1] = own_cosine, own_sine
         ahead_cosine, ahead_sine = own_cosine, own_sine
         distance *= straightness
-        least = min(least, straightness)
+        folded = abs(own_turn - turn) >= rows[OWN_WINDOW]
+        least = min(least, -2.0 if folded else straightness)
+        turn = own_turn
     return x, y, least
 
 

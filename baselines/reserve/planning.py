@@ -37,6 +37,7 @@ from hav_env.geometry import TWO_PI
 from hav_env.randomness import normal, uniform
 
 _DRAWS = 11  # random numbers of a plan
+_HOPELESS = 10  # times as long as a HAV waits, after which it gives up what it has reserved
 _MANY_PATHS = 15  # to the goal, after which those who are in each other's way make room
 KEEP = 0.02  # [m] margin that is enough to go on with what is reserved
 
@@ -121,6 +122,8 @@ def find_way_out(policy, rows):
         patient = rows[PURPOSE] != CIRCLE and blocked < policy.wait
         if not patient and enter_circle(rows):
             _adopt(rows, CIRCLE, policy.margin)
+        elif blocked > _HOPELESS * policy.wait:
+            rows[MODE], rows[TRIES] = STANDING, 0.0
     elif rows[GATHERED] > 0.0 and reserve_place(policy, rows, 2, KEEP):
         _stop_at_once(rows)
     elif blocked > policy.wait:

@@ -9,48 +9,48 @@ from baselines.policy import (
     check_parameters,
     check_rules,
     memory_size,
-    require_at_least,
 )
 from baselines.reserve.alone import act_alone
 from baselines.reserve.layout import BROADCAST, MOST_TRAILERS, ROWS
-from baselines.reserve.preconditions import check_range, check_step
+from baselines.reserve.preconditions import LEAST_MARGIN, check_range, check_step
 from baselines.reserve.swarm import act_among_others
 from hav_env import OnAxle
 from hav_env.compiled import contiguous
+from hav_env.quantities import Angle, Distance, Duration, Factor, Steps
 
 
 class Reserve(NamedTuple):
     """Move only within what was reserved: no jackknife and no collision, by construction."""
 
-    dt: float = 0.2
+    dt: Duration = 0.2
     """Duration of a step [s], ``Task.dt``: what is planned is predicted step by step."""
-    distance_tolerance: float = 0.5
+    distance_tolerance: Distance = 0.5
     """``Task.distance_tolerance`` [m]."""
-    heading_tolerance: float = 0.1
+    heading_tolerance: Angle = 0.1
     """``Task.heading_tolerance`` [rad]."""
-    articulation_margin: float = math.radians(1.0)
+    articulation_margin: Angle = math.radians(1.0)
     """No articulation comes nearer to its limit than this [rad]."""
-    shortlists: int = 40
+    shortlists: Steps = 40
     """How many lists of candidates a HAV that is alone looks through for a path."""
-    margin: float = 0.3
+    margin: Distance = 0.3
     """Distance [m] kept from others by what is planned; what is reserved may come nearer."""
-    part: float = 8.0
+    part: Distance = 8.0
     """How much of its path [m] a HAV reserves at a time."""
-    horizon: float = 3.0
+    horizon: Factor = 3.0
     """How far ahead what others have reserved counts for a plan, in radii of the nose's circle."""
-    patience: float = 60.0
+    patience: Distance = 60.0
     """How much longer than the shortest path [m] one may be, more after failures."""
-    wait: int = 25
+    wait: Steps = 25
     """Steps that a HAV stands blocked before it goes round its circle."""
-    refresh: float = 15.0
+    refresh: Distance = 15.0
     """After how much of the rest to its goal [m] a HAV reserves anew what is left of it."""
-    turns: int = 1
+    turns: Steps = 1
     """HAVs reserve in turns of so many steps: with as many as HAVs, all may decide at once."""
     broadcast: bool = True
     """Whether HAVs hear what others have reserved; if not, they move where nobody is near."""
-    position_noise: float = 0.0
+    position_noise: Distance = 0.0
     """How far off [m] the sensed positions of others may be; margins grow by it."""
-    heading_noise: float = 0.0
+    heading_noise: Angle = 0.0
     """How far off [rad] their sensed headings may be; margins grow by what that displaces."""
 
 
@@ -76,29 +76,19 @@ def _(policy: Reserve, scenario) -> None:
             f"policy articulation_margin is {policy.articulation_margin}, but must be below the"
             f" scenario's articulation_max {scenario.articulation_max}"
         )
-    if not policy.dt > 0:
-        raise ValueError(f"policy dt is {policy.dt}, but must be above 0 s")
-    required = ("distance_tolerance", "heading_tolerance", "articulation_margin", "margin")
-    require_at_least(
-        policy,
-        0.0,
-        (*required, "part", "horizon", "patience", "refresh", "position_noise", "heading_noise"),
-    )
-    require_at_least(policy, 1, ("shortlists", "wait", "turns"))
-    check_step(scenario, policy.dt, scenario.articulation_max - policy.articulation_margin)
+    if policy.margin < LEAST_MARGIN:
+        raise ValueError(f"policy margin is {policy.margin}, but must be at least {LEAST_MARGIN} m")
+    check_step(scenario, policy)
 
 
 @check_rules.register
 def _(policy: Reserve, scenario, task, vehicle) -> None:
     if vehicle != OnAxle():
         raise ValueError(f"vehicle is {vehicle}, but Reserve predicts every step of {OnAxle()}")
-    if policy.dt != task.dt:
-        raise ValueError(f"policy dt is {policy.dt}, but must be the task's, {task.dt}")
-    for field in ("distance_tolerance", "heading_tolerance"):
-        most = getattr(task, field)
-        if getattr(policy, field) > most:
-            value = getattr(policy, field)
-            raise ValueError(f"policy {field} is {value}, but must be at most the task's, {most}")
+    for field in ("dt", "distance_tolerance", "heading_tolerance"):
+        value, rule = getattr(policy, field), getattr(task, field)
+        if value != rule:
+            raise ValueError(f"policy {field} is {value}, but must be the task's, {rule}")
     check_range(scenario, policy.dt, task.sensing_range)
 
 

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+LEAST_MARGIN = 0.01  # [m] what is kept of it for a next part is far above rounding
 MOST_STEPS = 100_000  # of two turns of the widest circle: beyond, a decision takes seconds
 
 
@@ -42,25 +43,28 @@ def extremes_of(scenario: Any) -> Extremes:
         ) from None
 
 
-def check_step(scenario: Any, dt: float, bound: float) -> None:
+def check_step(scenario: Any, policy: Any) -> None:
     """Check that a step is neither too long for the simulator nor too short to be predicted.
 
     Args:
-        scenario: who drives; dt: duration of a step [s]; bound: of the articulations [rad].
+        scenario: who drives; policy: a Reserve.
 
     Raises:
         ValueError: naming the bound.
         TypeError: as ``extremes_of``.
     """
     found = extremes_of(scenario)
-    step = found.speed_max * dt
-    driven = f"speed_max {found.speed_max:g} m/s times dt {dt:g} s is a step of {step:.6g} m"
+    step = found.speed_max * policy.dt
+    driven = f"speed_max {found.speed_max:g} m/s times dt {policy.dt:g} s is a step of {step:.6g} m"
     if not step <= 2.0 * found.shortest:
         raise ValueError(
             f"{driven}, but must be at most {2.0 * found.shortest:g} m, twice the shortest unit:"
             " beyond, the simulator's own steps overshoot, and trailers swing for good"
         )
+    if not step <= policy.part:
+        raise ValueError(f"{driven}, but must be at most policy part, {policy.part:g} m")
     tightest = found.longest / math.tan(found.steering_max)
+    bound = scenario.articulation_max - policy.articulation_margin
     bend = math.sin(min(bound, 0.5 * math.pi))
     widest = 1.02 * max(tightest, found.longest * math.sqrt(found.trailers - 1 + 1.0 / bend**2))
     least = 4.0 * math.pi * widest / MOST_STEPS

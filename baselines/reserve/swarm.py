@@ -80,6 +80,7 @@ from baselines.reserve.search import (
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.elementary import sincos
 
+_SAGS = 6.0  # that rolling wheels may be away from the simulator's next places, as measured
 _LEAD = 1.0  # [m] before the end of what is reserved, where the next part is asked for
 _RENEW = 0.3  # of the margin of the plan is the margin of a next part
 _ANYWHERE = 1e9  # [m]
@@ -265,16 +266,18 @@ def _step_is_clear(rows):
     sense_chain(rows)
     x, y, _ = advance_chain(rows, 0.0, 0.0, turn, distance)
     place_axles(rows, x, y)
-    # of those in no slot it is known only that their units are as long as a step
+    # of those in no slot it is known only that their units are at least half as long as a step
     step, steepest = rows[OWN_STEP], rows[OWN_STEEPEST]
-    most = stride(step, steepest, step, MOST_TRAILERS) + 2.0 * sag(step, steepest, step)
+    most = stride(step, steepest, 0.5 * step, MOST_TRAILERS)
+    most += 2.0 * _SAGS * sag(step, steepest, 0.5 * step)
     if rows[OWN_REACH] + rows[OWN_STRIDE] + most > rows[CLEAR]:
         return False
     for number in range(int(rows[NUM_SLOTS])):
         slot = slot_at(number)
         # before the end of the step, what is left of one stride and what is done of the other
         # are together no longer than the longer one
-        margin = max(rows[OWN_STRIDE], rows[slot + STRIDE]) + rows[OWN_SAG] + rows[slot + SAG]
+        margin = max(rows[OWN_STRIDE], rows[slot + STRIDE])
+        margin += _SAGS * (rows[OWN_SAG] + rows[slot + SAG])
         if not keeps_clear_of(rows, slot, margin):
             return False
     return True

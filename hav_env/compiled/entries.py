@@ -15,6 +15,7 @@ import numba
 from hav_env.compiled.kernels import ENTERED
 from hav_env.compiled.sources import note_sources, source_digest, sources
 from hav_env.compiled.threads import default_threads, share_out
+from hav_env.kinds import kinds_of, split_range
 
 _log = logging.getLogger(__name__)
 _SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
@@ -63,19 +64,30 @@ def _signature(args: tuple) -> tuple:
 def canonical(model: Any) -> Any:
     """Return a model as compiled code takes it.
 
-    Its ``float`` fields are floats (an int is another type, compiled anew), and words that a
-    ``Literal`` allows are their places in it.
+    Its numbers are Python's (NumPy's, and an int for a float, are other types, compiled anew), and
+    words that a ``Literal`` allows are their places in it.
     """
-    kinds = type(model).__annotations__
-    return model._replace(**{f: _canonical_value(kinds[f], v) for f, v in model._asdict().items()})
+    model_class: Any = type(model)
+    return model._make(
+        convert(value) for convert, value in zip(_converters(model_class), model, strict=True)
+    )
 
 
-def _canonical_value(kind: Any, value: Any) -> Any:
-    if hasattr(value, "_asdict"):
-        return canonical(value)
-    if typing.get_origin(kind) is typing.Literal and isinstance(value, str):
-        return typing.get_args(kind).index(value)
-    return float(value) if kind is float else value
+@functools.cache
+def _converters(model_class: Any) -> tuple[Callable[[Any], Any], ...]:
+    """Return what makes of each field of a model what compiled code takes."""
+    kinds = kinds_of(model_class)
+    return tuple(_converter(kinds.get(field)) for field in model_class._fields)
+
+
+def _converter(kind: Any) -> Callable[[Any], Any]:
+    base, _ = split_range(kind)
+    if base in (int, float, bool):
+        return base
+    if typing.get_origin(base) is typing.Literal:
+        words = typing.get_args(base)
+        return lambda value: words.index(value) if isinstance(value, str) else value
+    return lambda value: canonical(value) if hasattr(value, "_asdict") else value
 
 
 def _cached(function: Callable, known: frozenset) -> Callable:

@@ -5,7 +5,9 @@ from typing import NamedTuple
 
 from hav_env.compiled import kernel
 from hav_env.elementary import log
+from hav_env.fields import check_value
 from hav_env.geometry import clip
+from hav_env.quantities import Neighbors
 
 LENGTH_UNIT, MOST_UNITS = 10.0, 10.0  # of the lengths of units [m]; where they are cut
 FARTHEST = 1e4  # [m], where distances are cut
@@ -68,7 +70,7 @@ PRESENT, PLACE, RELATIVE_HEADING, OTHER_FOOTPRINT, CLEARANCE, TRUCK, NEAREST, CH
 class Observation(NamedTuple):
     """How much of its surroundings a learner sees."""
 
-    neighbors: int = 4
+    neighbors: Neighbors = 4
     """K, of how many HAVs in sensing range, nearest first; never more than there are others."""
     chains: bool = False
     """Add the lengths and articulations of the neighbours' trailers."""
@@ -80,14 +82,10 @@ def check_observation(observation: Observation) -> None:
     """Check what is seen.
 
     Raises:
-        ValueError: unless the number of neighbours is a whole number that is not negative.
-        TypeError: when this is no observation.
+        ValueError: naming the field, its value and what is allowed.
+        TypeError: when this is no observation, or a field has a value of another kind.
     """
-    if not isinstance(observation, Observation):
-        raise TypeError(f"observation is {observation!r}, but must be an Observation")
-    neighbors = observation.neighbors
-    if not isinstance(neighbors, int) or neighbors < 0:
-        raise ValueError(f"observation neighbors is {neighbors}, but must be a whole number >= 0")
+    check_value("observation", Observation, observation)
 
 
 def settle(observation: Observation, num_havs: int) -> Observation:

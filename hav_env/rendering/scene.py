@@ -15,12 +15,11 @@ from hav_env.world import (
     JACKKNIFE,
     NEVER,
     PHASE,
+    REMOVED,
     STEP,
     WHEN,
     World,
 )
-
-REMOVED_BEYOND = 1e6  # m; HAVs that have left their world are parked out there
 
 
 class Scene(NamedTuple):
@@ -60,7 +59,7 @@ def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None)
     """
     state, fleet, record = worlds.state, worlds.fleet, worlds.record
     x, y = state.x[:, w].copy(), state.y[:, w].copy()
-    waiting, removed = state.waiting[:, w].copy(), np.abs(x) >= REMOVED_BEYOND
+    waiting, removed = state.waiting[:, w].copy(), record.total[:, REMOVED, w] != 0.0
     footprint = fleet.radius[:, FOOTPRINT, w].copy()
     known = np.full(len(x), -1) if evaded is None else np.asarray(evaded).astype(np.int64)
     return Scene(

@@ -5,25 +5,23 @@ arrays get their shapes, and ``articulation_max``, beyond which its HAVs are jac
 HAVs are drawn, it has a ``fleet``, which says how.
 """
 
-import functools
-
 from hav_env.compiled import generic
-from hav_env.scenarios.column import Column, check_column, populate_column
-from hav_env.scenarios.crossing import Crossing, check_crossing, populate_crossing
-from hav_env.scenarios.explicit import (
-    Explicit,
-    check_explicit,
-    explicit,
-    load_explicit,
-    populate_explicit,
-)
+from hav_env.fields import check_model, check_value
+from hav_env.quantities import Articulation, Goals, Havs, Trailers
+from hav_env.scenarios.column import Column, populate_column
+from hav_env.scenarios.crossing import Crossing, populate_crossing
+from hav_env.scenarios.explicit import Explicit, explicit, populate_explicit
+from hav_env.scenarios.explicit_files import load_explicit
 from hav_env.scenarios.fleets import RandomFleet
-from hav_env.scenarios.random_poses import (
-    RandomPoses,
-    check_random_poses,
-    populate_random_poses,
-)
-from hav_env.scenarios.yard import Yard, check_yard, populate_yard
+from hav_env.scenarios.random_poses import RandomPoses, populate_random_poses
+from hav_env.scenarios.yard import Yard, populate_yard
+
+_ALWAYS = {
+    "num_havs": Havs,
+    "num_goals": Goals,
+    "max_trailers": Trailers,
+    "articulation_max": Articulation,
+}
 
 
 @generic
@@ -34,15 +32,16 @@ def populate(scenario, world, lane):
     """
 
 
-@functools.singledispatch
 def check_scenario(scenario) -> None:
     """Check a scenario before it is used.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
-        TypeError: when this is no scenario.
+        TypeError: when this is no scenario, or a field has a value of another kind.
     """
-    raise TypeError(f"{scenario!r} is not a scenario: register its type with populate")
+    check_model("scenario", scenario, populate)
+    for name, kind in _ALWAYS.items():  # which may be properties
+        check_value(f"scenario {name}", kind, getattr(scenario, name, None))
 
 
 class PlacementError(ValueError):
@@ -50,15 +49,10 @@ class PlacementError(ValueError):
 
 
 populate.register(RandomPoses)(populate_random_poses)
-check_scenario.register(RandomPoses)(check_random_poses)
 populate.register(Crossing)(populate_crossing)
-check_scenario.register(Crossing)(check_crossing)
 populate.register(Yard)(populate_yard)
-check_scenario.register(Yard)(check_yard)
 populate.register(Column)(populate_column)
-check_scenario.register(Column)(check_column)
 populate.register(Explicit)(populate_explicit)
-check_scenario.register(Explicit)(check_explicit)
 
 __all__ = [
     "Column",

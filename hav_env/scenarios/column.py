@@ -3,23 +3,23 @@
 from typing import NamedTuple
 
 from hav_env.collision import reach
-from hav_env.scenarios.checks import require, require_gap
-from hav_env.scenarios.fleets import RandomFleet, check_drawn, draw_fleet, episode_key
+from hav_env.quantities import Gap, Goals, Havs
+from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
 from hav_env.world import FOOTPRINT, HEADING, X, Y, put_straight
 
 
 class Column(NamedTuple):
     """HAVs one behind the other on a line, HAV 0 in front; goals are the same column further on."""
 
-    num_havs: int = 5
+    num_havs: Havs = 5
     """How many HAVs are in the column."""
-    num_goals: int = 1
+    num_goals: Goals = 1
     """How many times the column moves on."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
-    distance: float = 200.0
+    distance: Gap = 200.0
     """How far the column moves on for each goal [m]."""
-    gap: float = 10.0
+    gap: Gap = 10.0
     """Gap [m] between the footprint of a HAV and that of the one behind, or the front of its truck
     where that sticks out."""
 
@@ -49,10 +49,3 @@ def populate_column(scenario, world, lane):
             world.goals[agent, phase, Y, lane] = 0.0
             world.goals[agent, phase, HEADING, lane] = 0.0
     return True
-
-
-def check_column(scenario: Column) -> None:
-    """Check the parameters; raises ValueError with field, value and what is allowed."""
-    check_drawn(scenario)
-    require(scenario.distance > 0, "scenario", scenario, "distance", "above 0 m")
-    require_gap(scenario)

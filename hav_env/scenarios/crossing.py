@@ -6,8 +6,8 @@ from typing import NamedTuple
 from hav_env.collision import collision_distance
 from hav_env.compiled import kernel
 from hav_env.elementary import sincos
-from hav_env.scenarios.checks import require_gap
-from hav_env.scenarios.fleets import RandomFleet, check_drawn, draw_fleet, episode_key
+from hav_env.quantities import Gap, Goals, Havs
+from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
 from hav_env.world import HEADING, X, Y, put_straight
 
 
@@ -18,13 +18,13 @@ class Crossing(NamedTuple):
     turn, so that everybody turns round and comes back, and always point away from the centre.
     """
 
-    num_havs: int = 2
+    num_havs: Havs = 2
     """How many HAVs meet at the centre."""
-    num_goals: int = 1
+    num_goals: Goals = 1
     """How many times each HAV crosses."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
-    gap: float = 20.0
+    gap: Gap = 20.0
     """Least gap [m] between the footprints of two HAVs at the start and at their goals, and between
     the front of a truck and the centre."""
 
@@ -73,9 +73,3 @@ def _circle_radius(scenario, fleet, lane):
             chord = collision_distance(fleet, agent, other, lane) + scenario.gap
             radius = max(radius, 0.5 * chord / sine)
     return radius
-
-
-def check_crossing(scenario: Crossing) -> None:
-    """Check the parameters; raises ValueError with field, value and what is allowed."""
-    check_drawn(scenario)
-    require_gap(scenario)

@@ -13,11 +13,13 @@
 The fleets are the paper's throughout; everything else is in the docstrings of the classes.
 """
 
+import os
 import pathlib
 from typing import Any
 
-import numpy as np
-
+from hav_env.fields import check_value
+from hav_env.kinds import show
+from hav_env.quantities import Havs
 from hav_env.scenarios import (
     Column,
     Crossing,
@@ -41,26 +43,41 @@ SCENARIOS: dict[str, Any] = {
 }
 
 
-def find_scenario(name: str) -> Any:
+def find_scenario(name: str | os.PathLike[str]) -> Any:
     """Return a scenario: one of ``SCENARIOS``, or the one in a JSON file.
 
+    Args:
+        name: of either; a path is always one of a file.
+
     Raises:
+        TypeError: when this is neither a name nor a path.
         ValueError: when there is no such scenario or the file is broken.
     """
-    if name in SCENARIOS:
-        return SCENARIOS[name]
-    if not name.endswith(".json"):
-        raise ValueError(f"unknown scenario {name!r}; known: {', '.join(SCENARIOS)}, FILE.json")
-    if not pathlib.Path(name).is_file():
-        raise ValueError(f"there is no scenario file {name}")
+    if not isinstance(name, str | os.PathLike):
+        raise TypeError(f"scenario is {show(name)}, but must be a name or the path of a file")
+    if isinstance(name, str):
+        if name in SCENARIOS:
+            return SCENARIOS[name]
+        if not name.lower().endswith(".json"):
+            known = f"{', '.join(SCENARIOS)}, FILE.json"
+            raise ValueError(f"unknown scenario {show(name)}; known: {known}")
+    if not _is_file(name):
+        raise ValueError(f"there is no scenario file {show(name, str)}")
     return load_explicit(name)
+
+
+def _is_file(path: str | os.PathLike[str]) -> bool:
+    try:
+        return pathlib.Path(path).is_file()
+    except OSError:  # a name that is too long
+        return False
 
 
 def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:
     """Return a scenario that has been checked.
 
     Args:
-        scenario: one, or the name of one, see ``find_scenario``.
+        scenario: one, or the name or file of one, see ``find_scenario``.
         num_havs: how many HAVs it is to have, if not as many as it has.
 
     Raises:
@@ -68,12 +85,11 @@ def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:
             HAVs is asked of a scenario in which it is written down.
         TypeError: when this is no scenario.
     """
-    found = find_scenario(scenario) if isinstance(scenario, str) else scenario
+    found = find_scenario(scenario) if isinstance(scenario, str | os.PathLike) else scenario
     check_scenario(found)
     if num_havs is None:
         return found
-    if not isinstance(num_havs, int | np.integer):
-        raise ValueError(f"num_havs is {num_havs}, but must be a whole number")
+    check_value("num_havs", Havs, num_havs)
     if num_havs == found.num_havs:
         return found
     if isinstance(found, Explicit):

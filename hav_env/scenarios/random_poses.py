@@ -5,26 +5,26 @@ from typing import NamedTuple
 
 from hav_env.collision import collision_distance
 from hav_env.compiled import kernel
+from hav_env.quantities import AreaFactor, Attempts, Goals, Havs, WorldAttempts
 from hav_env.randomness import uniform
-from hav_env.scenarios.checks import require
-from hav_env.scenarios.fleets import RandomFleet, check_drawn, draw_fleet, episode_key
+from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
 from hav_env.world import FOOTPRINT, put_straight
 
 
 class RandomPoses(NamedTuple):
     """Random HAVs at random poses, in a square four times as large as their footprints."""
 
-    num_havs: int = 1
+    num_havs: Havs = 1
     """M, how many HAVs share the plane; the paper's are 1 and 2."""
-    num_goals: int = 2
+    num_goals: Goals = 2
     """How many goals each HAV gets, one after the other."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
-    area_factor: float = 4.0
+    area_factor: AreaFactor = 4.0
     """Area of the square over the sum of the footprints' areas; 2 is double density."""
-    pose_attempts: int = 1_000
+    pose_attempts: Attempts = 1_000
     """Poses tried for one HAV before the world is drawn afresh."""
-    world_attempts: int = 50
+    world_attempts: WorldAttempts = 50
     """Worlds drawn before the density is held to be unreachable."""
 
     @property
@@ -101,11 +101,3 @@ def _is_free(world, phase, agent, lane):
         if math.sqrt(dx * dx + dy * dy) <= collision_distance(world.fleet, agent, other, lane):
             return False
     return True
-
-
-def check_random_poses(scenario: RandomPoses) -> None:
-    """Check the parameters; raises ValueError with field, value and what is allowed."""
-    check_drawn(scenario)
-    for field in ("pose_attempts", "world_attempts"):
-        require(getattr(scenario, field) >= 1, "scenario", scenario, field, "at least 1")
-    require(scenario.area_factor > 0, "scenario", scenario, "area_factor", "above 0")

@@ -4,9 +4,9 @@ import math
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
+from hav_env.quantities import Gap, Goals, Havs
 from hav_env.randomness import uniform
-from hav_env.scenarios.checks import require, require_gap
-from hav_env.scenarios.fleets import RandomFleet, check_drawn, draw_fleet, episode_key
+from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
 from hav_env.world import FOOTPRINT, HEADING, X, Y, put_straight
 
 _AHEAD = math.pi / 2  # out of the start bays, across the aisle, into the goal bays
@@ -19,19 +19,19 @@ class Yard(NamedTuple):
     behind one more aisle, dealt out anew.
     """
 
-    num_havs: int = 4
+    num_havs: Havs = 4
     """How many HAVs, and bays in a row."""
-    num_goals: int = 1
+    num_goals: Goals = 1
     """How many rows of goal bays, one behind the other."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
-    aisle: float = 100.0
+    aisle: Gap = 100.0
     """Distance of the rows [m], from rear axles to rear axles. Whoever moves to a bay far to the
     side turns a quarter circle, drives along the aisle and turns a quarter circle back, which takes
     2 R_min of its width; a shorter way to the side takes less. R_min, eq. (rmin), is below 39.8 m
     in the default fleet (a truck and ten trailers of 12 m) and usually about 15 m, so 100 m leave
     room for everybody and nobody needs a loop."""
-    gap: float = 10.0
+    gap: Gap = 10.0
     """Gap [m] between the footprints of HAVs in neighbouring bays."""
 
     @property
@@ -101,10 +101,3 @@ def _place_row(scenario, world, phase, lane):
         edge += 2.0 * half
     for agent in range(scenario.num_havs):
         goals[agent, phase, HEADING, lane] = _AHEAD
-
-
-def check_yard(scenario: Yard) -> None:
-    """Check the parameters; raises ValueError with field, value and what is allowed."""
-    check_drawn(scenario)
-    require(scenario.aisle > 0, "scenario", scenario, "aisle", "above 0 m")
-    require_gap(scenario)

@@ -1,9 +1,8 @@
 """How a truck and its trailers move: one file for each model, chosen by its type."""
 
-import functools
-
 from hav_env.compiled import generic
-from hav_env.vehicles.on_axle import OnAxle, check_on_axle, move_on_axle
+from hav_env.fields import check_model
+from hav_env.vehicles.on_axle import OnAxle, move_on_axle
 
 
 @generic
@@ -16,18 +15,16 @@ def move(vehicle, dt, world, agent):
     """
 
 
-@functools.singledispatch
 def check_vehicle(vehicle) -> None:
     """Check a vehicle model before it is used.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
-        TypeError: when this is no vehicle.
+        TypeError: when this is no vehicle, or a field has a value of another kind.
     """
-    raise TypeError(f"{vehicle!r} is not a vehicle: register its type with move")
+    check_model("vehicle", vehicle, move)
 
 
 move.register(OnAxle)(move_on_axle)
-check_vehicle.register(OnAxle)(check_on_axle)
 
 __all__ = ["OnAxle", "check_vehicle", "move"]

@@ -5,6 +5,7 @@ from typing import NamedTuple
 from hav_env.compiled import kernel
 from hav_env.elementary import sincos
 from hav_env.geometry import into_frame
+from hav_env.quantities import Substeps
 from hav_env.world import AHEAD_COSINE, AHEAD_SINE, AHEAD_SPEED, turn_unit
 
 
@@ -17,16 +18,10 @@ class OnAxle(NamedTuple):
     textbook's explicit Euler is ``simultaneous=True``. Both are of first order.
     """
 
-    substeps: int = 1
+    substeps: Substeps = 1
     """Euler steps within one step of the simulation; the paper's is one."""
     simultaneous: bool = False
     """Take all derivatives at the beginning of an Euler step instead of in order."""
-
-
-def check_on_axle(vehicle: OnAxle) -> None:
-    """Raise ValueError unless there is at least one substep."""
-    if not isinstance(vehicle.substeps, int) or vehicle.substeps < 1:
-        raise ValueError(f"vehicle substeps is {vehicle.substeps}, but must be a whole number >= 1")
 
 
 @kernel

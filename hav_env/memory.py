@@ -1,0 +1,34 @@
+"""This module refuses sizes that need more memory than the machine has."""
+
+import os
+import pathlib
+
+_UNKNOWN = 2**35  # bytes, where the system does not say how many it has
+_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+
+
+def check_memory(name: str, value: int, needed: float) -> None:
+    """Raise ValueError when arrays need more memory than there is.
+
+    Args:
+        name: of the argument to blame; value: of that argument.
+        needed: bytes.
+    """
+    most = memory_size()
+    if needed > most:
+        told = f"{name} is {value}, which takes {needed / 2**30:.1f} GiB"
+        raise ValueError(f"{told}, but must take at most {most / 2**30:.1f} GiB, all there is here")
+
+
+def memory_size() -> int:
+    """Return how many bytes this process may use: those of the machine, or of its container."""
+    if "SC_PHYS_PAGES" in getattr(os, "sysconf_names", {}):
+        most = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    else:
+        most = _UNKNOWN
+    for path in map(pathlib.Path, _LIMITS):
+        try:
+            most = min(most, int(path.read_text()))
+        except (OSError, ValueError):  # no container, or one without a limit ("max")
+            continue
+    return most

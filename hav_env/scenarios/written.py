@@ -1,0 +1,133 @@
+"""This module checks what a scenario was written down with: lists of numbers, lengths, poses."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from hav_env.kinds import is_number, show, split_range, with_article
+from hav_env.quantities import Coordinate, Heading, Length
+
+_PARTS = {"x": Coordinate, "y": Coordinate, "heading": Heading}
+
+
+def read_numbers(name: str, value: Any, depth: int) -> list:
+    """Return nested lists of numbers; arrays and other sequences become lists.
+
+    Args:
+        name: of the argument, for the message.
+        value: what was given.
+        depth: how many lists a number stands in.
+
+    Raises:
+        TypeError: naming what is no list or no number.
+        ValueError: when a number is beyond what a float can hold.
+    """
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence):
+        raise TypeError(f"{name} is {show(value)}, which is not a list")
+    if depth > 1:
+        return [read_numbers(f"{name}[{k}]", part, depth - 1) for k, part in enumerate(value)]
+    for k, number in enumerate(value):
+        _check_float(f"{name}[{k}]", number)
+    return list(value)
+
+
+def _check_float(name: str, value: Any) -> None:
+    if not is_number(value):
+        raise TypeError(f"{name} is {show(value)}, {with_article(type(value))} and not a number")
+    try:
+        float(value)
+    except OverflowError:
+        told = f"{name} is {show(value, str)}, but must be at most 1e308"
+        raise ValueError(told) from None
+
+
+def check_shapes(scenario: Any) -> None:
+    """Raise ValueError unless the arrays of an explicit scenario have the shapes that it states."""
+    havs, units = scenario.num_havs, scenario.max_trailers + 1
+    shapes = {
+        "num_trailers": (havs,),
+        "length": (havs, units),
+        "start": (havs, 3),
+        "goals": (havs, scenario.num_goals, 3),
+    }
+    for field, shape in shapes.items():
+        found = getattr(scenario, field).shape
+        if found != shape:
+            raise ValueError(f"scenario {field} has shape {found}, but must have {shape}")
+    counts = scenario.num_trailers
+    if counts.dtype.kind not in "iu" or counts.min() < 1 or counts.max() >= units:
+        told = f"whole numbers from 1 to {units - 1}"
+        raise ValueError(f"scenario num_trailers is {show(counts, str)}, but must be {told}")
+
+
+def check_lengths(length: np.ndarray, num_trailers: np.ndarray) -> None:
+    """Raise ValueError unless the units (N, U) that HAVs have are as long as units may be [m]."""
+    _, allowed = split_range(Length)
+    assert allowed is not None
+    for agent, (own, trailers) in enumerate(zip(length, num_trailers, strict=True)):
+        units = own[: trailers + 1]
+        if not ((units >= allowed.low) & (units <= allowed.high)).all():
+            told = f"HAV {agent} has lengths {show(units.tolist())}"
+            raise ValueError(f"{told}, but each must be {allowed.rule}")
+
+
+def check_poses(places: np.ndarray) -> None:
+    """Raise ValueError unless starts and goals (N, 1 + G, 3) are where poses may be."""
+    for column, (part, kind) in enumerate(_PARTS.items()):
+        _, allowed = split_range(kind)
+        assert allowed is not None
+        values = places[..., column]
+        wrong = np.argwhere(~((values >= allowed.low) & (values <= allowed.high)))
+        if len(wrong) == 0:
+            continue
+        agent, which = wrong[0]
+        name, value = "start" if which == 0 else f"goal {which}", values[agent, which]
+        if not math.isfinite(value):
+            told = f"HAV {agent} has a pose that is not finite: {part} of its {name} is {value}"
+        else:
+            told = f"{part} of the {name} of HAV {agent} is {value}"
+        raise ValueError(f"{told}, but must be {allowed.rule}")
+
+
+def check_apart(places: np.ndarray, radius: np.ndarray) -> None:
+    """Raise ValueError when starts, or goals of a phase, are in potential collision.
+
+    Args:
+        places: (N, 1 + G, 3), starts first; the first two columns are x and y [m].
+        radius: (N,) of the footprints [m].
+    """
+    for which in range(places.shape[1]):
+        pair = _find_overlap(places[:, which, :2], radius)
+        if pair is not None:
+            one, other = sorted(pair)
+            name = "starts" if which == 0 else f"goals {which}"
+            gap, least = math.dist(*places[[one, other], which, :2]), radius[one] + radius[other]
+            raise ValueError(
+                f"the {name} of HAVs {one} and {other} are {gap:.2f} m apart, a potential"
+                f" collision: they need more than {least:.2f} m"
+            )
+
+
+def _find_overlap(places: np.ndarray, radius: np.ndarray) -> tuple[int, int] | None:
+    """Return two circles that overlap or touch, None if there are none.
+
+    Circles are compared with the next, the next but one, ... along the axis on which they spread
+    most, until all are too far apart on it: a row of thousands takes milliseconds.
+    """
+    along = places[:, np.argmax(np.ptp(places, axis=0))]
+    order = np.argsort(along)
+    for lag in range(1, len(order)):
+        one, other = order[:-lag], order[lag:]
+        near = along[other] - along[one] <= 2.0 * radius.max()
+        if not near.any():
+            return None
+        one, other = one[near], other[near]
+        gaps = np.hypot(*(places[one] - places[other]).T)
+        overlap = np.flatnonzero(gaps <= radius[one] + radius[other])
+        if len(overlap):
+            return int(one[overlap[0]]), int(other[overlap[0]])
+    return None
