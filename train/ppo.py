@@ -234,8 +234,6 @@ class Run:
         """
         path = self.arguments.output / CHECKPOINT
         self.curve, self.seconds = read_checkpoint(path, self.learner, self.env)
-        worlds: Any = self.env.unwrapped
-        self.process = worlds.process
 
     def learn(self) -> None:
         """Learn until the end, from wherever it is."""

@@ -113,6 +113,13 @@ class HAVVecEnv(VecEnv):
         self.process.look(chosen, told)
         self.screen.forget(chosen)
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return all arrays that change from step to step, by name.
+
+        An environment of the same arguments, reset and filled with them, goes on bit for bit.
+        """
+        return self.process.arrays() | {"keys": self._keys}
+
     def close(self) -> None:
         """Let go of the viewers."""
         self.screen.close()
