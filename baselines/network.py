@@ -22,6 +22,7 @@ from hav_env.sensing import episode_key, limits
 
 MOST_LAYERS, MOST_UNITS, MOST_WEIGHTS = 32, 8_192, 1 << 22
 MOST_TRAILERS, MOST_COLUMNS = 1_000, 1 << 14
+LARGEST_WEIGHT = 1e12  # so that no sum of products overflows, and no action is NaN
 
 
 class Network(NamedTuple):
@@ -118,8 +119,10 @@ def check_network(policy: Network) -> None:
             found = f"{array.dtype} of shape {array.shape}"
             rule = f"it must be real numbers ({length},)"
             raise ValueError(f"policy {name} is {found}, which does not fit: {rule}")
-        if not np.isfinite(array).all():
-            raise ValueError(f"policy {name} holds a number that is not finite")
+        large = ~(np.abs(array) <= LARGEST_WEIGHT)  # so is NaN
+        if large.any():
+            rule = f"but must hold numbers from -{LARGEST_WEIGHT:g} to {LARGEST_WEIGHT:g}"
+            raise ValueError(f"policy {name} holds {array[large][0]:g}, {rule}")
     if not 0.0 < policy.limit < np.inf:
         raise ValueError(f"policy limit is {policy.limit}, but must be finite and above 0")
 

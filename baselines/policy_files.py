@@ -72,7 +72,11 @@ def load_trained(path: str | pathlib.Path) -> Trained:
         ValueError: when there is no such file, it is broken, or its policy observes other columns
             than this version of the project offers.
     """
-    if not pathlib.Path(path).is_file():
+    try:
+        found = pathlib.Path(path).is_file()
+    except OSError as error:  # the name is too long
+        raise ValueError(f"there is no policy file {path!s:.80}: {error.strerror}") from None
+    if not found:
         raise ValueError(f"there is no policy file {path}")
     try:
         with open(path, "rb") as file:

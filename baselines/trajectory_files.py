@@ -16,6 +16,7 @@ _MOST_BYTES = 1 << 29  # unpacked
 _HEADS = 1 << 16  # [bytes] at most, of all arrays
 _FARTHEST = 1e9  # [m], [rad]: beyond it nothing is meant
 _LONGEST = 1e6  # [s] of an episode
+_LONGEST_NAME = 200  # characters
 # of every field: NumPy's kinds of numbers that are allowed, and its shape
 _LAYOUT = {
     "step": ("iu", "T"),
@@ -142,7 +143,15 @@ def _check(trajectory: Trajectory) -> None:
                 trajectory.heading[:, present],
                 trajectory.footprint,
                 trajectory.goals,
+                # nothing is decided in the last state
+                np.nan_to_num(trajectory.speed, posinf=np.inf, neginf=-np.inf),
+                np.nan_to_num(trajectory.steering, posinf=np.inf, neginf=-np.inf),
             )
+        ),
+        "a footprint below 0": (trajectory.footprint >= 0).all(),
+        "a name that cannot be shown": all(
+            name.isprintable() and len(name) <= _LONGEST_NAME
+            for name in (trajectory.policy, trajectory.scenario)
         ),
     }
     for complaint, holds in laws.items():

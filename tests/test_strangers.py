@@ -10,10 +10,10 @@ import zipfile
 import numpy as np
 import pytest
 from conftest import budget
-from probes.networks import random_network
+from probes.networks import forward, random_network
 from probes.strangers import archive, bomb, claim, garble, head
 
-from baselines.network import MOST_UNITS, check_network
+from baselines.network import LARGEST_WEIGHT, MOST_UNITS, check_network
 from baselines.policy_files import load_trained, save_policy
 from baselines.pursuit import DubinsPursuit
 from baselines.trajectories import record_trajectory
@@ -121,7 +121,7 @@ def numbers(arrays):
         yield {"sizes": np.array(sizes)}
     for name in ("weights", "mean", "scale"):
         good = arrays[name]
-        for bad in (np.nan, np.inf, -np.inf):
+        for bad in (np.nan, np.inf, -np.inf, 1e13, -3e38):
             yield {name: np.where(np.arange(good.size) == 1, bad, good)}
         yield {name: good[:-1]}
         yield {name: np.append(good, 0.0)}
@@ -150,6 +150,8 @@ def test_no_crafted_trajectory_is_taken(trajectory, tmp_path):
     changes = list(shapes_and_types({name: arrays[name] for name in names}))
     for name in ("step", "phase", "num_trailers", "first", "hit_step", "evaded"):
         changes += [{name: np.full_like(arrays[name], value)} for value in (10**18, -(10**18))]
+    for name in ("speed", "steering"):
+        changes += [{name: np.full_like(arrays[name], value)} for value in (1e300, -np.inf)]
     for name in ("x", "heading", "goals", "length", "dt", "footprint"):
         changes += [{name: np.full_like(arrays[name], value)} for value in (1e300, np.nan)]
     for number, change in enumerate(changes):
@@ -211,6 +213,22 @@ def test_arrays_in_another_order_are_the_same(policy, trajectory, tmp_path):
         }
         archive(tmp_path / good.name, swapped.items())
         assert repr(load(tmp_path / good.name)) == repr(load(good))
+
+
+def test_no_policy_that_is_taken_acts_by_nan():
+    """The largest weights of alternating sign, the largest limit: no sum becomes inf - inf."""
+    policy = random_network(hidden=(64, 64))
+    signs = np.where(np.arange(policy.weights.size) % 2, -LARGEST_WEIGHT, LARGEST_WEIGHT)
+    extreme = policy._replace(
+        weights=signs,
+        mean=np.full_like(policy.mean, -LARGEST_WEIGHT),
+        scale=np.full_like(policy.scale, LARGEST_WEIGHT),
+        limit=float(np.finfo(float).max),
+    )
+    check_network(extreme)
+    rows = np.random.default_rng(0).uniform(-1.0, 10.0, (20, policy.sizes[0]))
+    assert np.isfinite(forward(extreme, rows)).all()
+    assert not np.isfinite(forward(extreme._replace(weights=signs * 1e300), rows)).all()
 
 
 def test_the_largest_sizes_do_not_wrap_around():

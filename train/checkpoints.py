@@ -1,12 +1,12 @@
 """Everything that changes while a PPO learns, in one file: who reads it goes on bit for bit.
 
-The file holds numbers and text alone: reading it runs no code, whoever wrote it.
+The file holds tensors, numbers and text, and nothing that runs: ``train.plain_file`` reads it.
 """
 
+import functools
 import json
 import pathlib
-import pickle
-import zipfile
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,136 +15,146 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecNormalize
 
 from baselines.files import whole_file
-from train.sb3_env import HAVVecEnv
+from train.plain_file import array_like, check_worlds, read_plain
 
-_ENGINE = "MT19937"  # of NumPy's global random numbers
+_TWISTER = 624  # words of the state of NumPy's Mersenne Twister
 
 
-def write_checkpoint(path: pathlib.Path, learner: PPO, env: VecNormalize, more: Any) -> None:
+def write_checkpoint(
+    path: pathlib.Path, learner: PPO, env: VecNormalize, curve: list[dict], seconds: float
+) -> None:
     """Write down learner, normalizer, worlds and random numbers; there is never half a file.
 
     Args:
         path: of the file.
         learner, env: between two iterations.
-        more: whatever else is to be kept, as JSON knows it.
+        curve: the evaluations so far, as JSON knows them.
+        seconds: of learning so far.
     """
-    if learner._last_obs is None:
-        _begin(learner, env)
-    _, numbers, *places = np.random.get_state()  # noqa: NPY002 (SB3 shuffles with it)
-    arrays = {name: torch.from_numpy(array) for name, array in _arrays(learner, env).items()}
+    _, words, place, has_gauss, gauss = np.random.get_state()  # noqa: NPY002 (SB3 shuffles with it)
+    worlds: Any = env.unwrapped
+    arrays = {
+        **{
+            f"{holder} {name}": getattr(owner, name)
+            for holder, (owner, names) in _owners(learner, env).items()
+            for name in names
+        },
+        **worlds.arrays(),
+        "numpy": np.asarray(words, np.int64),
+    }
     state = {
-        "policy": learner.policy.state_dict(),
-        "optimizer": learner.policy.optimizer.state_dict(),
-        "decisions": int(learner.num_timesteps),
-        "updates": int(learner._n_updates),
-        "arrays": arrays,
-        "counts": [float(seen.count) for seen in _statistics(env)],
+        "policy": dict(learner.policy.state_dict()),
+        "moments": learner.policy.optimizer.state_dict()["state"],
+        "arrays": {name: torch.as_tensor(np.asarray(array)) for name, array in arrays.items()},
         "torch": torch.get_rng_state(),
-        "numpy": torch.from_numpy(np.asarray(numbers, np.int64)),
-        "numpy places": [float(place) for place in places],
-        "more": json.dumps(more),
+        "noise": _noise_of(learner),
+        "numbers": {
+            "decisions": int(learner.num_timesteps),
+            "updates": int(learner._n_updates),
+            "place": int(place),  # in the words of the twister, then what it has drawn in advance
+            "has_gauss": int(has_gauss),
+            "gauss": float(gauss),
+        },
+        "curve": json.dumps(curve),
+        "seconds": float(seconds),
     }
     with whole_file(path) as unfinished:
         torch.save(state, unfinished)
 
 
-def read_checkpoint(path: pathlib.Path, learner: PPO, env: VecNormalize) -> Any:
-    """Go back to where a checkpoint was written; return what else was kept.
+def read_checkpoint(
+    path: pathlib.Path, learner: PPO, env: VecNormalize
+) -> tuple[list[dict], float, Callable[[], None]]:
+    """Go back to where a checkpoint was written.
 
     Args:
         path: of the file.
-        learner, env: made anew by the same arguments.
+        learner, env: made from the arguments of the run; they are written to.
+
+    Returns:
+        The curve; the seconds; what restores the random numbers, to be called when the next
+        rollout begins, for Stable-Baselines3 has drawn the noise that it holds by then.
 
     Raises:
         ValueError: when it is broken, or was written by another version.
     """
     try:
-        state = _load(path)
-        _begin(learner, env)  # episodes, which are then overwritten
-        _fill(_arrays(learner, env), state["arrays"])
-        learner.policy.load_state_dict(state["policy"])
-        _set_moments(learner.policy.optimizer, state["optimizer"])
-        learner.num_timesteps, learner._n_updates = state["decisions"], state["updates"]
-        for seen, count in zip(_statistics(env), state["counts"], strict=True):
-            seen.count = count
-        torch.set_rng_state(state["torch"])
-        position, has_gauss, gauss = state["numpy places"]
-        numbers = state["numpy"].numpy().astype(np.uint32)
-        np.random.set_state((_ENGINE, numbers, int(position), int(has_gauss), gauss))  # noqa: NPY002
-        return json.loads(state["more"])
-    except pickle.UnpicklingError:
-        raise ValueError(f"cannot go on from {path}: it holds more than numbers") from None
+        state = read_plain(path)
+        first = env.reset()
+        if "learner _last_obs" in state["arrays"]:
+            learner._last_obs, learner._last_episode_starts = first, np.zeros(env.num_envs, bool)
+        _restore_learner(state, learner)
+        _restore_arrays(state["arrays"], learner, env)
+        restore = functools.partial(_restore_random_numbers, state, learner)
+        restore()
+        return _read_curve(state["curve"]), float(state["seconds"]), restore
     except Exception as error:  # what is broken may break the reading anywhere
-        told = " ".join(f"{type(error).__name__}: {error}".split())
-        raise ValueError(f"cannot go on from {path}: {told:.300}") from None
+        told = error if isinstance(error, ValueError) else repr(error)
+        raise ValueError(f"cannot go on from {path}: {told}") from None
 
 
-def _load(path: pathlib.Path) -> dict[str, Any]:
-    """Read numbers and text; PyTorch does not pack them, so that they are no larger than the file.
-
-    Raises:
-        ValueError, pickle.UnpicklingError: when the file holds anything else.
-    """
-    with zipfile.ZipFile(path) as archive:
-        if any(member.compress_type != zipfile.ZIP_STORED for member in archive.infolist()):
-            raise ValueError("it is packed, which PyTorch does not do")
-    state = torch.load(path, map_location="cpu", weights_only=True)
-    if not isinstance(state, dict):
-        raise ValueError(f"it holds a {type(state).__name__}, but must hold a dict")
-    return state
+def _read_curve(text: str) -> list[dict]:
+    curve = json.loads(text)
+    if not all(isinstance(row["score"], float) for row in curve):
+        raise ValueError("its curve has a row without a score")
+    return list(curve)
 
 
-def _begin(learner: PPO, env: VecNormalize) -> None:
-    """Begin the first episodes, as the learner does where there are none."""
-    learner._last_obs = env.reset()
-    learner._last_episode_starts = np.ones(env.num_envs, np.bool_)
-
-
-def _statistics(env: VecNormalize) -> tuple[Any, Any]:
-    return env.obs_rms, env.ret_rms
-
-
-def _arrays(learner: PPO, env: VecNormalize) -> dict[str, np.ndarray]:
-    """Return all arrays that change, by name, to be read and to be overwritten."""
-    worlds = env.unwrapped
-    assert isinstance(worlds, HAVVecEnv)
-    told: dict[str, Any] = {
-        "observation": learner._last_obs,
-        "starts": learner._last_episode_starts,
-        "returns": env.returns,
+def _owners(learner: PPO, env: VecNormalize) -> dict[str, tuple[Any, tuple[str, ...]]]:
+    """Return who holds the arrays of learner and normalizer, and as which attributes."""
+    moments = ("mean", "var", "count")
+    begun = learner._last_obs is not None
+    return {
+        "learner": (learner, ("_last_obs", "_last_episode_starts") if begun else ()),
+        "seen": (env.obs_rms, moments),
+        "gained": (env.ret_rms, moments),
+        "normalizer": (env, ("returns",)),
     }
-    for name, seen in zip(("seen", "gained"), _statistics(env), strict=True):
-        told |= {f"{name}.mean": seen.mean, f"{name}.var": seen.var}
-    told |= worlds.arrays()
-    return {name: np.asarray(array) for name, array in told.items()}
 
 
-def _fill(arrays: dict[str, np.ndarray], kept: dict[str, torch.Tensor]) -> None:
-    """Overwrite arrays with those that were kept.
-
-    Raises:
-        ValueError: when they are others, or of another shape or type.
-    """
-    if set(arrays) != set(kept):
-        odd = sorted(set(arrays) ^ set(kept), key=str)[0]
-        raise ValueError(f"it does not hold the same arrays: {odd!r:.80}")
-    for name, array in arrays.items():
-        found = kept[name].numpy()
-        if (found.shape, found.dtype) != (array.shape, array.dtype):
-            rule = f"but must be {array.dtype} of shape {array.shape}"
-            raise ValueError(f"{name} is {found.dtype} of shape {found.shape}, {rule}")
-    for name, array in arrays.items():
-        array[...] = kept[name].numpy()
-
-
-def _set_moments(optimizer: torch.optim.Optimizer, kept: dict[str, Any]) -> None:
-    """Set what an optimizer remembers of its parameters.
-
-    Raises:
-        ValueError: when a shape is not that of its parameter.
-    """
-    optimizer.load_state_dict(kept)
-    for parameter, moments in optimizer.state.items():
+def _restore_learner(state: dict[str, Any], learner: PPO) -> None:
+    """Take over weights and moments, whose shapes are those of the learner."""
+    policy, numbers = learner.policy, state["numbers"]
+    policy.load_state_dict(state["policy"])
+    parameters = list(policy.parameters())
+    for number, moments in state["moments"].items():
         for name, moment in moments.items():
-            if moment.shape not in (parameter.shape, ()):
-                raise ValueError(f"{name} of the optimizer is of shape {tuple(moment.shape)}")
+            if moment.shape not in {torch.Size(), parameters[number].shape}:
+                raise ValueError(f"moment {name} of weights {number} has shape {moment.shape}")
+    groups = policy.optimizer.state_dict()["param_groups"]
+    policy.optimizer.load_state_dict({"state": state["moments"], "param_groups": groups})
+    learner.num_timesteps, learner._n_updates = int(numbers["decisions"]), int(numbers["updates"])
+
+
+def _restore_arrays(arrays: dict[str, Any], learner: PPO, env: VecNormalize) -> None:
+    for holder, (owner, names) in _owners(learner, env).items():
+        for name in names:
+            value = array_like(getattr(owner, name), arrays, f"{holder} {name}")
+            setattr(owner, name, value if value.ndim else value[()])
+    worlds: Any = env.unwrapped
+    for name, array in worlds.arrays().items():
+        array[...] = array_like(array, arrays, name)
+    check_worlds(worlds.process.batch.worlds)
+
+
+def _noise_of(learner: PPO) -> dict[str, torch.Tensor]:
+    """Return the noise that is held from action to action; nothing if it is drawn for each."""
+    held, names = learner.policy.action_dist, ("exploration_mat", "exploration_matrices")
+    return {name: getattr(held, name).detach() for name in names} if learner.use_sde else {}
+
+
+def _restore_random_numbers(state: dict[str, Any], learner: PPO) -> None:
+    numbers = state["numbers"]
+    words = array_like(np.zeros(_TWISTER, np.int64), state["arrays"], "numpy").astype(np.uint32)
+    place = int(numbers["place"])
+    if not 0 <= place <= _TWISTER:  # NumPy would read beyond the words
+        raise ValueError(f"the place in NumPy's random numbers is {place}")
+    told = ("MT19937", words, place, int(numbers["has_gauss"]), float(numbers["gauss"]))
+    np.random.set_state(told)  # noqa: NPY002
+    for name, held in _noise_of(learner).items():
+        like = held.numpy()
+        # at the beginning it is held for one row alone
+        shape = (learner.n_envs, *like.shape[1:]) if like.ndim == 3 else like.shape
+        value = array_like(np.zeros(shape, like.dtype), state["noise"], name)
+        setattr(learner.policy.action_dist, name, torch.from_numpy(value))
+    torch.set_rng_state(state["torch"])
