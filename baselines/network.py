@@ -1,5 +1,6 @@
 """A trained policy: a multilayer perceptron from what a HAV observes to its speed and steering."""
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,10 @@ from hav_env.observation import (
 )
 from hav_env.quantities import AboveZero, Skipped, Trailers
 from hav_env.sensing import episode_key, limits
+
+MOST_LAYERS, MOST_UNITS, MOST_WEIGHTS = 32, 8_192, 1 << 22
+MOST_TRAILERS, MOST_COLUMNS = 1_000, 1 << 14
+LARGEST_WEIGHT = 1e12  # so that no sum of products overflows, and no action is NaN
 
 
 class Network(NamedTuple):
@@ -81,14 +86,64 @@ def _(policy: Network, scenario) -> None:
             f"the policy was trained to observe {_say(policy.observation, policy.max_trailers)},"
             f" but the scenario offers {_say(*seen)}"
         )
-    columns = len(name_columns(policy.observation, policy.max_trailers))
-    if policy.sizes.ndim != 1 or policy.sizes.size < 2 or policy.sizes.min() < 1:
-        raise ValueError(f"policy sizes is {policy.sizes}, which does not fit any layers")
-    inputs, outputs = policy.sizes[:-1], policy.sizes[1:]
-    expected = (columns, 2, int(np.sum(inputs * outputs + outputs)), columns, columns)
-    lengths = (policy.weights.size, policy.mean.size, policy.scale.size)
-    if (inputs[0], outputs[-1], *lengths) != expected:
-        raise ValueError(f"policy sizes is {policy.sizes}, which does not fit its other arrays")
+    check_network(policy)
+
+
+def check_network(policy: Network) -> None:
+    """Check a network by itself, whatever the scenario, before memory is allocated for it.
+
+    Compiled code reads and writes its layers without looking at the ends of arrays.
+
+    Raises:
+        ValueError: naming the field, its value and what is allowed.
+    """
+    columns = count_columns(policy.observation, policy.max_trailers)
+    shape = policy.sizes.shape
+    if len(shape) != 1 or not 2 <= shape[0] <= MOST_LAYERS + 1 or policy.sizes.dtype.kind != "i":
+        raise ValueError(
+            f"policy sizes is {policy.sizes.dtype} of shape {shape}, which does not fit any layers:"
+            f" it must be whole numbers of 1 to {MOST_LAYERS} layers"
+        )
+    sizes: list[int] = policy.sizes.tolist()  # Python's numbers do not overflow
+    if min(sizes) < 1 or max(sizes[1:]) > MOST_UNITS or (sizes[0], sizes[-1]) != (columns, 2):
+        raise ValueError(
+            f"policy sizes is {sizes}, which does not fit: it must lead from {columns} columns to 2"
+            f" outputs, with 1 to {MOST_UNITS} units in between"
+        )
+    weights = sum((inputs + 1) * outputs for inputs, outputs in itertools.pairwise(sizes))
+    if weights > MOST_WEIGHTS:
+        raise ValueError(f"policy sizes is {sizes}, but must be of at most {MOST_WEIGHTS} weights")
+    for name, length in (("weights", weights), ("mean", columns), ("scale", columns)):
+        array = getattr(policy, name)
+        if array.shape != (length,) or array.dtype.kind != "f":
+            found = f"{array.dtype} of shape {array.shape}"
+            rule = f"it must be real numbers ({length},)"
+            raise ValueError(f"policy {name} is {found}, which does not fit: {rule}")
+        large = ~(np.abs(array) <= LARGEST_WEIGHT)  # so is NaN
+        if large.any():
+            rule = f"but must hold numbers from -{LARGEST_WEIGHT:g} to {LARGEST_WEIGHT:g}"
+            raise ValueError(f"policy {name} holds {array[large][0]:g}, {rule}")
+    if not 0.0 < policy.limit < np.inf:
+        raise ValueError(f"policy limit is {policy.limit}, but must be finite and above 0")
+
+
+def count_columns(observation: Observation, max_trailers: int) -> int:
+    """Return how many columns an observation has, before their names are made.
+
+    Raises:
+        ValueError: when there are more than any policy may have.
+    """
+    if not 0 <= max_trailers <= MOST_TRAILERS:
+        rule = f"but must be from 0 to {MOST_TRAILERS}"
+        raise ValueError(f"policy max_trailers is {max_trailers}, {rule}")
+    none, one = (len(name_columns(observation._replace(neighbors=k), max_trailers)) for k in (0, 1))
+    columns = none + max(observation.neighbors, 0) * (one - none)
+    if columns > MOST_COLUMNS:
+        raise ValueError(
+            f"policy observation is of {observation.neighbors} neighbors, {columns} columns,"
+            f" but must be of at most {MOST_COLUMNS} columns"
+        )
+    return columns
 
 
 def _say(observation: Observation, max_trailers: int) -> str:

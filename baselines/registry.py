@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from baselines.avoid_jack import AvoidJack
+from baselines.network import Network
 from baselines.policy import find_kernel
 from baselines.policy_files import SUFFIX, load_policy
 from baselines.pursuit import DubinsPursuit
@@ -49,9 +50,24 @@ def find_policy(name: str) -> Callable[[], Any]:
         found = getattr(importlib.import_module(module_name), class_name)
     except (ImportError, AttributeError) as error:
         raise ValueError(f"cannot load policy {name!r}: {error}") from None
-    if find_kernel(found) is None:
+    except Exception as error:  # the module may raise anything, and "..x" is no name of a module
+        raise ValueError(f"cannot load policy {name!r}: {error!r}") from error
+    if not isinstance(found, type) or find_kernel(found) is None:
         raise ValueError(f"{name!r} is not a policy: register it with act.register")
     return found
+
+
+def find_trained(name: str) -> Network:
+    """Return a trained policy by its name or file. No code of whoever made it runs.
+
+    Raises:
+        ValueError: when there is none, or its file is broken.
+    """
+    path = policy_file(name)
+    if path is None:
+        known = ", ".join([*TRAINED, f"FILE{SUFFIX}"])
+        raise ValueError(f"policy is {name!r}, but must be a trained one: {known}")
+    return load_policy(path)
 
 
 def policy_file(name: str) -> pathlib.Path | None:

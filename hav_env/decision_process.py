@@ -231,12 +231,28 @@ class DecisionProcess:
             self._advance = advance_worlds.prepare(*args)
         share_out(self._advance, self.num_worlds, args, self._threads)
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return the arrays of the worlds and of what is kept from action to action, by name."""
+        return _name_arrays({"worlds": self.batch.worlds, "between": self._between})
+
     def outcome(self) -> Outcome:
         """Return arrays for an outcome; what is in them means nothing yet.
 
         Nobody else holds any part of them.
         """
         return Outcome(*self._recycler.arrays())
+
+
+def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
+    """Return the arrays in named tuples, each under the names that lead to it."""
+    found: dict[str, np.ndarray] = {}
+    for name, part in parts.items():
+        if isinstance(part, np.ndarray):
+            found[name] = part
+        elif hasattr(part, "_asdict"):
+            own = _name_arrays(part._asdict())
+            found |= {f"{name}.{field}": array for field, array in own.items()}
+    return found
 
 
 def check_finite(actions: np.ndarray) -> None:

@@ -40,8 +40,7 @@ def path(tmp_path) -> pathlib.Path:
 )
 def test_a_policy_is_the_same_again(fields, chains, tmp_path):
     """Weights of single precision are kept exactly, and with them every action."""
-    policy = random_network(3, **fields)
-    policy = policy._replace(observation=policy.observation._replace(chains=chains))
+    policy = random_network(3, **fields, chains=chains)
     save_policy(policy, tmp_path / "chance.policy", ABOUT)
     loaded, about = load_trained(tmp_path / "chance.policy")
     assert about == ABOUT

@@ -43,6 +43,8 @@ class Between(BaseCallback):
     def _on_rollout_start(self) -> None:
         """Log, evaluate, write the checkpoint: after an update, before the next rollout."""
         run, done = self.run, self.num_timesteps
+        if done == self.first:
+            run.restore_random_numbers()
         arguments = run.arguments
         progress = done / arguments.decisions
         run.process.set_reward(reward_at(arguments.curriculum, arguments.reward, progress))

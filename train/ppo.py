@@ -25,7 +25,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from baselines.network import Network
 from baselines.options import take_option
 from baselines.policy_files import save_policy
-from baselines.registry import find_policy
+from baselines.registry import find_trained
 from hav_env import Observation, Reward
 from hav_env.command_line import parse_options
 from hav_env.randomness import SEED_LIMIT
@@ -196,11 +196,12 @@ class Run:
         first = (TRAINING + arguments.seed * rows) % (SEED_LIMIT - rows)
         self.env.seed(first)
         if arguments.begin_with:
-            begun = find_policy(arguments.begin_with)()
+            begun = find_trained(arguments.begin_with)
             start_from(begun, self.learner, self.env, self.process)
             self.env.seed(first)  # once more: the beginning of episodes was looked at
         self.curve: list[dict[str, float]] = []
         self.seconds = 0.0  # of learning, over all sittings
+        self.restore_random_numbers: Any = lambda: None  # when the next rollout begins
 
     def policy(self) -> Network:
         """Return what has been learned so far, as it would act: without noise."""
@@ -226,8 +227,8 @@ class Run:
 
     def write_checkpoint(self) -> None:
         """Write down where it is."""
-        path, more = self.arguments.output / CHECKPOINT, (self.curve, self.seconds)
-        write_checkpoint(path, self.learner, self.env, more)
+        path = self.arguments.output / CHECKPOINT
+        write_checkpoint(path, self.learner, self.env, self.curve, self.seconds)
 
     def go_on(self) -> None:
         """Go back to where the checkpoint was written.
@@ -236,9 +237,8 @@ class Run:
             ValueError: when it is broken, or was written by another version.
         """
         path = self.arguments.output / CHECKPOINT
-        self.curve, self.seconds = read_checkpoint(path, self.learner, self.env)
-        worlds: Any = self.env.unwrapped
-        self.process = worlds.process
+        told = read_checkpoint(path, self.learner, self.env)
+        self.curve, self.seconds, self.restore_random_numbers = told
 
     def learn(self) -> None:
         """Learn until the end, from wherever it is."""

@@ -51,8 +51,8 @@ class HAVVecEnv(VecEnv):
         self.process = DecisionProcess(num_worlds, **settings)
         self.screen = Screen(render_mode, self.process.batch, ["rgb_array"])
         self.render_mode = render_mode
-        # seed and number of the episodes, once there are some
-        self._keys: np.ndarray | None = None
+        self._keys = np.zeros((2, num_worlds), np.int64)  # seed and number of the episodes
+        self._keyed = False
         self._actions = np.zeros((num_worlds, self.process.num_havs, 2))
         rows = num_worlds * self.process.num_havs
         super().__init__(rows, observation_box(self.process), action_box())
@@ -68,12 +68,12 @@ class HAVVecEnv(VecEnv):
         worlds = self.process.num_worlds
         seeds = self._seeds[:: self.process.num_havs]
         if seeds[0] is not None:
-            self._keys = np.stack([np.array(seeds, np.int64), np.zeros(worlds, np.int64)])
-        elif self._keys is not None:
+            self._keys[0], self._keys[1] = seeds, 0
+        elif self._keyed:
             self._keys[1] += 1
         else:
-            drawn = np.random.default_rng().integers(SEED_LIMIT, size=worlds)
-            self._keys = np.stack([drawn, np.zeros(worlds, np.int64)])
+            self._keys[0] = np.random.default_rng().integers(SEED_LIMIT, size=worlds)
+        self._keyed = True
         self._reset_seeds()
         told = self.process.outcome()
         self._begin(np.ones(self.process.num_worlds, np.bool_), told)
@@ -98,7 +98,6 @@ class HAVVecEnv(VecEnv):
         if ended.any():
             for w in np.flatnonzero(ended).tolist():
                 self._sum_up(told, w, infos)
-            assert self._keys is not None
             self._keys[1, ended] += 1
             self._begin(ended, told)
         dones = np.repeat(ended, self.process.num_havs)
@@ -113,10 +112,16 @@ class HAVVecEnv(VecEnv):
             infos[k]["terminal_observation"] = told.observation[w, k % self.process.num_havs].copy()
 
     def _begin(self, chosen: np.ndarray, told: Any) -> None:
-        assert self._keys is not None
         self.process.begin(self._keys[0], self._keys[1], chosen)
         self.process.look(chosen, told)
         self.screen.forget(chosen)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return all arrays that change from step to step, by name.
+
+        An environment of the same arguments, reset and filled with them, goes on bit for bit.
+        """
+        return self.process.arrays() | {"keys": self._keys}
 
     def close(self) -> None:
         """Let go of the viewers."""

@@ -3,8 +3,6 @@
 import functools
 import logging
 import os
-import pathlib
-import tempfile
 import threading
 import typing
 from collections.abc import Callable
@@ -12,6 +10,8 @@ from typing import Any
 
 import numba
 
+from hav_env.compiled.homes import find_home
+from hav_env.compiled.kept_code import KeptCode
 from hav_env.compiled.kernels import ENTERED
 from hav_env.compiled.sources import note_sources, source_digest, sources
 from hav_env.compiled.threads import default_threads, share_out
@@ -41,7 +41,7 @@ def entry(function: Callable) -> Any:
     def call(count: int, *args: Any, threads: int | None = None) -> None:
         known = frozenset(sources)
         if known not in compiled:
-            with _compiling:  # where the cache is, is a setting of all threads
+            with _compiling:
                 if known not in compiled:
                     compiled[known] = _cached(function, known)
         loop = compiled[known]
@@ -91,22 +91,12 @@ def _converter(kind: Any) -> Callable[[Any], Any]:
 
 
 def _cached(function: Callable, known: frozenset) -> Callable:
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_writable_home() / source_digest(known))
-    try:
-        return numba.njit(**ENTERED)(function)
-    finally:
-        numba.config.CACHE_DIR = previous
-
-
-def _writable_home() -> pathlib.Path:
-    home = pathlib.Path(os.environ.get("NUMBA_CACHE_DIR") or "~/.cache/hav_env").expanduser()
-    try:
-        home.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=home):
-            return home
-    except OSError:
-        return pathlib.Path(tempfile.gettempdir()) / f"hav_env-{os.getuid()}"
+    """Return the function compiled, or about to be, and kept on disk if there is a place for it."""
+    loop = numba.njit(**ENTERED)(function)
+    home = find_home(os.environ.get("NUMBA_CACHE_DIR", ""))
+    if home is not None and hasattr(loop, "compile"):
+        loop._cache = KeptCode(function, home / source_digest(known))
+    return loop
 
 
 _ready: set[tuple] = set()

@@ -12,7 +12,7 @@ from hav_env.compiled.sources import note_sources
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
 # most of the time.
 _OPTIONS = {"error_model": "numpy", "nogil": True, "_nrt": False}
-ENTERED = _OPTIONS | {"pipeline_class": compiler_into(Whole), "cache": True}
+ENTERED = _OPTIONS | {"pipeline_class": compiler_into(Whole)}
 _CALLED = _OPTIONS | {
     "pipeline_class": compiler_into(Part),
     "no_cpython_wrapper": True,

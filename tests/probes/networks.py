@@ -49,12 +49,14 @@ def actions_of(network: Network, observations) -> np.ndarray:
     return np.clip(values, -1.0, 1.0)
 
 
-def random_network(seed=0, hidden=(8,), neighbors=0, max_trailers=10, **fields) -> Network:
+def random_network(
+    seed=0, hidden=(8,), neighbors=0, max_trailers=10, chains=False, **fields
+) -> Network:
     """Return a network that drives ahead, faster and slower, and steers to both sides.
 
     Its weights are those of single precision, as of networks that were trained.
     """
-    rng, observation = np.random.default_rng(seed), Observation(neighbors)
+    rng, observation = np.random.default_rng(seed), Observation(neighbors, chains)
     columns = len(name_columns(observation, max_trailers))
     sizes = [columns, *hidden, 2]
     layers = [

@@ -1,0 +1,146 @@
+"""Machine code on disk: the compile cache of entries, each file checked before it is loaded.
+
+Numba's own cache unpickles whatever its files hold, fails where they are broken, and gives code of
+one signature the file of another where two processes compile at once.
+"""
+
+import contextlib
+import hashlib
+import logging
+import os
+import pathlib
+import pickle
+import re
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+_log = logging.getLogger(__name__)
+_UNFINISHED = ".unfinished"
+_ABANDONED = 3_600.0  # [s] after which nobody writes to an unfinished file any more
+
+
+class KeptCode(NullCache):
+    """The compiled forms of one function in a folder, two files for each signature.
+
+    The index ``.nbi`` is the SHA-256 of the data ``.nbc`` and names it, so that processes that
+    compile at once never mix their files. The data are unpickled only if they have that digest.
+    """
+
+    def __init__(self, function: Callable, folder: pathlib.Path) -> None:
+        """Take the function and the folder, which belongs to these sources alone."""
+        self._function, self._folder = function, folder
+
+    @property
+    def cache_path(self) -> str:
+        """The folder, for Numba's statistics."""
+        return str(self._folder)
+
+    def load_overload(self, sig: tuple, target_context: Any) -> Any:
+        """Return the compiled form for a signature; None if there is none, or a broken one.
+
+        What is broken is removed, so that it is compiled and kept anew.
+        """
+        target_context.refresh()
+        index = self._index(sig, target_context.codegen())
+        if not os.path.lexists(index):
+            return None
+        try:
+            digest = index.read_text("ascii")
+            if not re.fullmatch("[0-9a-f]{64}", digest):
+                raise ValueError("the index is no digest")
+            content = _data(index, digest).read_bytes()
+            if hashlib.sha256(content).hexdigest() != digest:
+                raise ValueError("the data have another digest")
+            return CompileResult._rebuild(target_context, *pickle.loads(content))
+        except Exception as error:  # what is broken may break the loading anywhere
+            told = "hav_env compiles %s again, for it is broken in the cache: %s (%s)"
+            _log.warning(told, self._function.__name__, index, error)
+            with contextlib.suppress(OSError):
+                for path in (index, *self._folder.glob(f"{index.stem}.*.nbc")):
+                    _remove(path)
+        return None
+
+    def save_overload(self, sig: tuple, data: Any) -> None:
+        """Keep a compiled form; say so on the log if that fails, for example on a full disk."""
+        if data.lifted or data.library.has_dynamic_globals:
+            return  # holds addresses of this process
+        index = self._index(sig, data.codegen)
+        try:
+            content = dumps(data._reduce())
+            digest = hashlib.sha256(content).hexdigest()
+            self._folder.mkdir(0o700, exist_ok=True)
+            _remove_abandoned(self._folder)
+            _write(content, _data(index, digest))
+            _write(digest.encode("ascii"), index)
+        except OSError as error:
+            told = "hav_env cannot keep %s, and will compile it again: %s"
+            _log.warning(told, self._function.__name__, error)
+
+    def _index(self, sig: tuple, codegen: Any) -> pathlib.Path:
+        """Return the path of the index for a signature on this processor."""
+        function = self._function
+        cells = [cell.cell_contents for cell in function.__closure__ or ()]
+        told = [
+            *(numba.__version__, sys.implementation.cache_tag, codegen.magic_tuple()),
+            *(function.__module__, function.__qualname__, function.__code__.co_firstlineno),
+            *(function.__code__.co_code.hex(), dumps(cells).hex() if cells else ""),
+            *map(describe, sig),
+        ]
+        digest = hashlib.sha256(repr(told).encode()).hexdigest()
+        return self._folder / f"{function.__name__}-{digest[:16]}.nbi"
+
+
+def describe(kind: Any) -> str:
+    """Return a type of Numba in words that are the same in every process.
+
+    Numba's name of a named tuple tells neither its module nor its fields.
+    """
+    if not isinstance(kind, numba.types.BaseTuple):
+        return str(kind)
+    fields = getattr(kind, "fields", range(len(kind)))
+    told = ", ".join(f"{name}: {describe(kind[k])}" for k, name in enumerate(fields))
+    made = getattr(kind, "instance_class", tuple)
+    return f"{made.__module__}.{made.__qualname__}({told})"
+
+
+def _data(index: pathlib.Path, digest: str) -> pathlib.Path:
+    return index.with_name(f"{index.stem}.{digest[:16]}.nbc")
+
+
+def _write(content: bytes, path: pathlib.Path) -> None:
+    """Write a file, whole or not at all."""
+    handle, name = tempfile.mkstemp(_UNFINISHED, dir=path.parent)
+    try:
+        with open(handle, "wb") as file:
+            file.write(content)
+        if path.is_dir():
+            _remove(path)
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise
+
+
+def _remove(path: pathlib.Path) -> None:
+    """Remove a file, or a folder in its place."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _remove_abandoned(folder: pathlib.Path) -> None:
+    """Remove what processes that were killed left behind."""
+    for path in folder.glob(f"*{_UNFINISHED}"):
+        with contextlib.suppress(OSError):  # another process may be quicker
+            if path.lstat().st_mtime < time.time() - _ABANDONED:
+                path.unlink()
