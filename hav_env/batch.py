@@ -166,9 +166,12 @@ class Batch:
 
 
 def check_seed(seed: int) -> None:
-    """Raise ValueError unless the seed is a whole number of 32 bits."""
-    if not isinstance(seed, numbers.Integral) or not 0 <= seed < SEED_LIMIT:
-        raise ValueError(f"seed is {seed}, but must be from 0 to {SEED_LIMIT - 1}")
+    """Raise ValueError or TypeError unless the seed is a whole number of 32 bits."""
+    told = f"seed is {seed}, but must be from 0 to {SEED_LIMIT - 1}"
+    if isinstance(seed, bool) or not isinstance(seed, numbers.Real):
+        raise TypeError(told)
+    if not isinstance(seed, numbers.Integral) or not 0 <= int(seed) < SEED_LIMIT:
+        raise ValueError(told)
 
 
 def check_placed(placed: np.ndarray, scenario) -> None:
