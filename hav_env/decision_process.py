@@ -255,13 +255,6 @@ def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
     return found
 
 
-def check_finite(actions: np.ndarray) -> None:
-    """Raise ValueError when an action is not a finite number."""
-    if not np.isfinite(actions).all():
-        worst = actions[~np.isfinite(actions)][0]
-        raise ValueError(f"the actions hold {worst}, a number that is not finite")
-
-
 def warn_of_unknown(options: dict[str, Any], known: tuple[str, ...]) -> None:
     """Warn of options of a reset that are not known; they are ignored."""
     for name in sorted(set(options) - set(known), key=str):

@@ -5,6 +5,7 @@ from typing import Any, Unpack
 import gymnasium as gym
 import numpy as np
 
+from hav_env.actions import read_action
 from hav_env.advance import TERMINATED, TRUNCATED, Outcome
 from hav_env.decision_process import Settings
 from hav_env.screen import RENDER_FPS, RENDER_MODES
@@ -23,34 +24,49 @@ class _WorldEnv(OfOneWorld, gym.Env):
         self.observation_space, self.action_space = view.observation_space, view.action_space
         self._shape = self.action_space.shape
         self._joint = 1, world.process.num_controlled, 2
+        self._over = self._warned = False
 
     def reset(
         self, *, seed: int | None = None, options: dict | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode; ``options`` as for ``SingleWorld.reset``."""
-        super().reset(seed=seed)
-        told = self._world.reset(seed, options, self.np_random)
+        """Begin an episode; a reset that is refused changes nothing.
+
+        Args:
+            seed: begins with the first episode of this seed; None goes on to the next one.
+            options: as for ``SingleWorld.plan``.
+
+        Raises:
+            ValueError, TypeError: naming what is wrong with seed or options.
+        """
+        plan = self._world.plan(seed, options, self.np_random)
+        super().reset(seed=None if seed is None else int(seed))
+        told = self._world.begin(plan)
+        self._over = self._warned = False
         self._show()
         return self._view.observations(told.observation)[0], self._info(told)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Take an action.
+        """Take an action. After the end of an episode the world goes on, with one warning.
 
         Raises:
+            TypeError: when the action is anything but real numbers.
             ValueError: when its shape is wrong or a number is not finite.
             RuntimeError: before the first ``reset``.
         """
-        actions = np.array(action, float)
-        if actions.shape != self._shape:
-            raise ValueError(f"the action has shape {actions.shape}, but must have {self._shape}")
+        actions = read_action("the action", action, self._shape)
+        if self._over and not self._warned:
+            self._warned = True
+            gym.logger.warn("the episode has ended: call reset before step", stacklevel=2)
         told = self._world.step(actions.reshape(self._joint))
+        terminated, truncated = bool(told.ends[TERMINATED, 0]), bool(told.ends[TRUNCATED, 0])
+        self._over = terminated or truncated
         self._show()
         view = self._view
         return (
             view.observations(told.observation)[0],
             view.reward(told.numbers[-1, :, 0].tolist()),
-            bool(told.ends[TERMINATED, 0]),
-            bool(told.ends[TRUNCATED, 0]),
+            terminated,
+            truncated,
             self._info(told),
         )
 

@@ -1,17 +1,20 @@
 """PettingZoo's environment: every HAV of a world is an agent, hav_0, hav_1, ..."""
 
+import numbers
 from typing import Any, ClassVar, Unpack
 
 import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import seeding
 from pettingzoo import AECEnv, ParallelEnv
-from pettingzoo.utils import parallel_to_aec
+from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
+from hav_env.actions import REAL, are_finite, check_mapping, read_action
 from hav_env.advance import TERMINATED, TRUNCATED, Outcome
 from hav_env.central_state import CentralState
 from hav_env.decision_process import Settings
+from hav_env.kinds import show
 from hav_env.screen import RENDER_FPS, RENDER_MODES
 from hav_env.single_world import OfOneWorld, SingleWorld
 from hav_env.task import REMOVE
@@ -47,7 +50,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         Args:
             render_mode: None, "human", "rgb_array" or "ansi".
             max_cycles: after how many actions an episode is truncated, in place of the task's
-                ``max_steps``, which counts the simulator's.
+                ``max_steps``, which counts the simulator's; not together with ``max_steps``.
             settings: as of ``hav_env.decision_process.DecisionProcess``: scenario, num_havs, task,
                 its rules, vehicle, observation, reward, frame_skip.
 
@@ -56,7 +59,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         """
         arguments: dict[str, Any] = dict(settings)
         if max_cycles is not None:
-            arguments["max_steps"] = max_cycles * arguments.get("frame_skip", 1)
+            arguments["max_steps"] = _steps_of(max_cycles, arguments)
         self._world = SingleWorld(render_mode, **arguments)
         process = self._world.process
         self.render_mode = render_mode
@@ -70,7 +73,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         self._state = CentralState(process.batch)
         self.state_space = self._state.space
         self._removes = process.batch.task.on_goal == REMOVE
-        self._generator: np.random.Generator | None = None
+        self.np_random, _ = seeding.np_random()
 
     def observation_space(self, agent: str) -> spaces.Box:
         """Return the space of an agent's observations."""
@@ -83,10 +86,19 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
     def reset(
         self, seed: int | None = None, options: dict | None = None
     ) -> tuple[Observations, dict[str, dict[str, float]]]:
-        """Begin an episode; ``seed`` and ``options`` as for ``SingleWorld.reset``."""
-        if self._generator is None:
-            self._generator, _ = seeding.np_random()
-        told = self._world.reset(seed, options, self._generator)
+        """Begin an episode; a reset that is refused changes nothing.
+
+        Args:
+            seed: begins with the first episode of this seed; None goes on to the next one.
+            options: as for ``SingleWorld.plan``.
+
+        Raises:
+            ValueError, TypeError: naming what is wrong with seed or options.
+        """
+        plan = self._world.plan(seed, options, self.np_random)
+        if seed is not None:
+            self.np_random, _ = seeding.np_random(int(seed))
+        told = self._world.begin(plan)
         self.agents = self.possible_agents.copy()
         self._show()
         return dict(zip(self.agents, told.observation[0], strict=True)), self._infos(told)
@@ -103,12 +115,13 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         """Take one action of every agent; after the end, none and five empty dictionaries.
 
         Raises:
+            TypeError: when the actions are no dictionary, or one is anything but real numbers.
             ValueError: when an agent is unknown, has left or has no action, or when an action is
                 not two finite numbers.
             RuntimeError: before the first ``reset``.
         """
-        if self._generator is None:
-            raise RuntimeError("call reset before step: there is no episode yet")
+        self._world.require_episode("step")
+        check_mapping(actions)
         if not self.agents and not actions:
             return {}, {}, {}, {}, {}
         told = self._world.step(self._gather(actions))
@@ -137,14 +150,18 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         for agent, action in actions.items():
             if agent not in self.agents:
                 known = ", ".join(self.agents) or "none"
-                raise ValueError(f"there is no agent {agent!r} to act; agents: {known}")
-            shape = np.shape(action)
-            if shape != (2,):
-                raise ValueError(f"the action of {agent} has shape {shape}, but must have (2,)")
-            gathered[0, self._places[agent]] = action
+                raise ValueError(f"there is no agent {show(agent)} to act; agents: {known}")
+            plain = type(action) is np.ndarray and action.dtype.kind in REAL
+            if not (plain and action.shape == (2,)):
+                gathered[0, self._places[agent]] = _read_action(agent, action)
+            else:
+                gathered[0, self._places[agent]] = action
         if len(actions) < len(self.agents):
             missing = next(agent for agent in self.agents if agent not in actions)
             raise ValueError(f"there is no action for {missing}")
+        if not are_finite(gathered):
+            for agent, action in actions.items():
+                _read_action(agent, action)
         return gathered
 
     def _infos(self, told: Outcome) -> dict[str, dict[str, float]]:
@@ -157,8 +174,55 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         }
 
     def state(self) -> np.ndarray:
-        """Return what is the case in the whole world, in its own frame: see ``CentralState``."""
+        """Return what is the case in the whole world, in its own frame: see ``CentralState``.
+
+        Raises:
+            RuntimeError: before the first ``reset``.
+        """
+        self._world.require_episode("state")
         return self._state.read()
+
+
+class _OneAfterAnother(parallel_to_aec_wrapper):
+    """The same environment for agents that act one after the other."""
+
+    @property
+    def np_random(self) -> np.random.Generator:
+        """Return the generator that draws seeds."""
+        return self.unwrapped.np_random
+
+    def step(self, action: Any) -> None:
+        """Take the action of the agent whose turn it is; None from one that has left.
+
+        Raises:
+            TypeError, ValueError: as of ``HAVSwarmParallelEnv.step``, at the turn of the agent.
+        """
+        agent = self.agent_selection
+        if not (self.terminations[agent] or self.truncations[agent]):
+            # a copy: the user may write the next action into the same array
+            action = _read_action(agent, action)
+        elif action is not None:
+            told = f"the action of {agent} is {show(action)}"
+            raise ValueError(f"{told}, but must be None: its episode has ended")
+        super().step(action)
+
+
+def _read_action(agent: str, action: Any) -> np.ndarray:
+    return read_action(f"the action of {agent}", action, (2,))
+
+
+def _steps_of(max_cycles: Any, arguments: dict[str, Any]) -> int:
+    """Return how many steps of the simulator are so many actions."""
+    if "max_steps" in arguments:
+        raise TypeError("max_cycles and max_steps were both given, but must be one or the other")
+    told = f"max_cycles is {show(max_cycles)}, but must be a whole number of at least 1"
+    if isinstance(max_cycles, bool) or not isinstance(max_cycles, numbers.Real):
+        raise TypeError(told)
+    if not isinstance(max_cycles, numbers.Integral) or max_cycles < 1:
+        raise ValueError(told)
+    frame_skip = arguments.get("frame_skip", 1)
+    # the decision process refuses what is no whole number
+    return int(max_cycles) * (int(frame_skip) if isinstance(frame_skip, numbers.Integral) else 1)
 
 
 def parallel_env(
@@ -172,7 +236,8 @@ def raw_env(
     render_mode: str | None = None, max_cycles: int | None = None, **settings: Unpack[Settings]
 ) -> AECEnv:
     """Return the same as an environment in which agents act one after the other (AEC)."""
-    return parallel_to_aec(parallel_env(render_mode, max_cycles, **settings))
+    parallel = parallel_env(render_mode, max_cycles, **settings)
+    return OrderEnforcingWrapper(_OneAfterAnother(parallel))
 
 
 def env(

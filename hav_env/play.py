@@ -33,6 +33,7 @@ class Controls(NamedTuple):
     release: float = 0.2
 
 
+_HAVS = 4  # where neither a number nor a scenario is given
 STANDING = (-1.0, 0.0)  # speed from -1, none, to 1, the most; steering from -1, right, to 1, left
 
 
@@ -73,20 +74,22 @@ def drive(
         env: with ``reset(seed=)``, ``step(action)`` and ``render()`` as Gymnasium's for humans:
             the first two show a frame by themselves.
         held_in_frames: what is held in each frame: see ``next_action``; and "again", "quit".
-        seed: of the first episode; each new one takes the next.
+        seed: of the first episode; each new one takes the next, after the last one 0.
         controls: how quickly the action changes.
         tell: is told how each episode ended.
 
     Returns:
         How many episodes were begun.
     """
+    from hav_env.randomness import SEED_LIMIT  # noqa: PLC0415  takes the compiler's time
+
     episodes, running, before = 0, False, frozenset({"again"})
     action = np.array(STANDING, np.float32)
     for held in held_in_frames:
         if "quit" in held:
             break
         if episodes == 0 or ("again" in held and "again" not in before):
-            env.reset(seed=seed + episodes)
+            env.reset(seed=(seed + episodes) % SEED_LIMIT)
             episodes, running, action = episodes + 1, True, np.array(STANDING, np.float32)
         elif running:
             action = next_action(held, action, controls)
@@ -141,12 +144,16 @@ def open_environment(options: Play) -> Any:
     Raises:
         ValueError, TypeError, OSError: for options that are not allowed, naming them.
     """
-    from hav_env.gym_env import HAVSingleEnv  # noqa: PLC0415  needs Gymnasium, the keyboard not
+    # these need the simulator, the keyboard does not
+    from hav_env.batch import check_seed  # noqa: PLC0415
+    from hav_env.gym_env import HAVSingleEnv  # noqa: PLC0415
 
-    if options.scenario is None:
-        chosen: dict[str, Any] = {"num_havs": options.num_havs or 4}
-    else:
-        chosen = {"scenario": options.scenario, "num_havs": options.num_havs}
+    check_seed(options.seed)
+    chosen: dict[str, Any] = {"num_havs": options.num_havs}
+    if options.scenario is not None:
+        chosen["scenario"] = options.scenario
+    elif options.num_havs is None:
+        chosen["num_havs"] = _HAVS
     return HAVSingleEnv(others=options.others, render_mode="human", **chosen)
 
 

@@ -1,13 +1,15 @@
-"""Where environments show their worlds: pygame is loaded when something is drawn, not before."""
+"""Where environments show their worlds: pygame is loaded by those that draw, and by no others."""
 
 from typing import Any
 
 import numpy as np
 
 from hav_env.batch import Batch
+from hav_env.kinds import show
 
 RENDER_MODES = ["human", "rgb_array", "ansi"]
 RENDER_FPS = 30
+_DRAWN = ("human", "rgb_array")
 
 
 class Screen:
@@ -20,10 +22,14 @@ class Screen:
 
         Raises:
             ValueError: when the mode is not None or one of ``modes``.
+            ImportError: when the mode needs pygame-ce, which is missing.
         """
-        if render_mode is not None and render_mode not in modes:
-            known = ", ".join(modes)
-            raise ValueError(f"render_mode is {render_mode!r}, but must be None or one of {known}")
+        known = isinstance(render_mode, str) and render_mode in modes
+        if render_mode is not None and not known:
+            told = f"render_mode is {show(render_mode)}"
+            raise ValueError(f"{told}, but must be None or one of {', '.join(modes)}")
+        if render_mode in _DRAWN:
+            import hav_env.rendering.viewer  # noqa: F401, PLC0415  see above
         self.render_mode, self._batch = render_mode, batch
         self._viewers: dict[int, Any] = {}
 
@@ -31,7 +37,7 @@ class Screen:
         """Return what is seen of a world: an array (H, W, 3), a line of text, or None (a window).
 
         Raises:
-            ImportError: when pygame-ce is missing.
+            OSError: when there is no display for a window.
         """
         if self.render_mode is None:
             return None

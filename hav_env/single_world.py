@@ -1,22 +1,33 @@
 """One world for environments that step one: its episodes, what may be written into it, pictures."""
 
-import math
-import numbers
-from typing import Any
+import copy
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from hav_env.advance import Outcome
-from hav_env.batch import check_seed
-from hav_env.decision_process import DecisionProcess, check_finite, warn_of_unknown
-from hav_env.randomness import SEED_LIMIT
-from hav_env.scenarios import explicit
+from hav_env.batch import begin_worlds, check_placed, check_seed
+from hav_env.decision_process import DecisionProcess, warn_of_unknown
+from hav_env.fields import check_value
+from hav_env.kinds import show
+from hav_env.randomness import SEED_LIMIT, Seed
+from hav_env.scenarios import Explicit, explicit
 from hav_env.screen import Screen
 from hav_env.transition import begin
 from hav_env.world import ARTICULATION, SPEED, STEERING
 
 _HERE = np.ones(1, np.bool_)
 _WRITTEN = ("lengths", "start", "goals")  # options that are written into a world
+
+
+class Plan(NamedTuple):
+    """An episode that may begin: everything about it has been checked."""
+
+    key: tuple[int, int]
+    """Seed and number."""
+    written: Explicit | None
+    """What is to be in place of what the scenario draws."""
 
 
 class SingleWorld:
@@ -45,70 +56,76 @@ class SingleWorld:
         """
         self.process = DecisionProcess(1, controlled, others, **arguments)
         self.screen = Screen(render_mode, self.process.batch)
-        self._key: tuple[int, int] | None = None
+        self._key: tuple[int, int] | None = None  # of the last episode
 
-    def reset(
-        self, seed: int | None, options: dict | None, generator: np.random.Generator
-    ) -> Outcome:
-        """Begin an episode.
+    def plan(
+        self, seed: int | None, options: Mapping[str, Any] | None, generator: np.random.Generator
+    ) -> Plan:
+        """Check what a reset was given and return which episode it asks for; nothing changes.
 
         Args:
-            seed: begins with the first episode of this seed; None goes on to the next one.
+            seed: asks for the first episode of this seed; None for the one after the last.
             options: "episode": its number. "lengths", "start", "goals": as for ``explicit``, what
-                is to be instead of what the scenario drew. Others are ignored, with a warning.
+                is to be instead of what the scenario draws. Others are ignored, with a warning.
             generator: draws the seed when none was ever given.
 
         Raises:
-            ValueError: naming what is wrong with seed or options.
+            ValueError, TypeError: naming what is wrong with seed or options.
+            PlacementError: when the scenario has no room for HAVs of which only a part is written.
         """
-        options = {name: value for name, value in (options or {}).items() if value is not None}
-        warn_of_unknown(options, ("episode", *_WRITTEN))
-        key = self._next_key(seed, options.get("episode"), generator)
-        self._key = None  # until the episode has begun
+        if seed is not None:
+            check_seed(seed)
+        given = _read_options(options)
+        warn_of_unknown(given, ("episode", *_WRITTEN))
+        if seed is not None:
+            key = int(seed), 0
+        else:
+            if self._key is None:  # a refused reset does not draw again: the next one has this seed
+                self._key = int(generator.integers(SEED_LIMIT)), -1
+            key = self._key[0], self._key[1] + 1
+        if "episode" in given:
+            key = key[0], _read_episode(given["episode"])
+        written = {name: given[name] for name in _WRITTEN if name in given}
+        return Plan(key, self._write(written, key) if written else None)
+
+    def begin(self, plan: Plan) -> Outcome:
+        """Begin an episode.
+
+        Raises:
+            PlacementError: when the scenario has no room; the next reset takes the next number.
+        """
+        self._key = plan.key
         told = self.process.outcome()
-        keys = np.array([key], np.int64).T
+        keys = np.array([plan.key], np.int64).T
         self.process.begin(keys[0], keys[1], _HERE)
-        written = {name: options[name] for name in _WRITTEN if name in options}
-        if written:
-            self._write(written, key)
+        if plan.written is not None:
+            batch = self.process.batch
+            begin(plan.written, batch.task, batch.worlds, 0, *plan.key)
         self.process.look(_HERE, told)
-        self._key = key
         self.screen.forget(_HERE)
         return told
 
     def step(self, actions: np.ndarray) -> Outcome:
-        """Take an action (1, C, 2).
+        """Take an action (1, C, 2), finite float64, contiguous.
 
         Raises:
-            RuntimeError: before the first ``reset``; ValueError: when a number is not finite.
+            RuntimeError: before the first episode has begun.
         """
-        if self._key is None:
-            raise RuntimeError("call reset before step: there is no episode yet")
-        # of a few numbers, a list is looked at in half the time
-        if not all(map(math.isfinite, actions.ravel().tolist())):
-            check_finite(actions)
         return self.process.step(actions)
 
-    def _next_key(
-        self, seed: int | None, episode: int | None, generator: np.random.Generator
-    ) -> tuple[int, int]:
-        if seed is not None:
-            check_seed(seed)
-            key = int(seed), 0
-        elif self._key is None:
-            key = int(generator.integers(SEED_LIMIT)), 0
-        else:
-            key = self._key[0], self._key[1] + 1
-        if episode is None:
-            return key
-        if not isinstance(episode, numbers.Integral) or not 0 <= episode < SEED_LIMIT:
-            raise ValueError(f"episode is {episode!r}, but must be from 0 to {SEED_LIMIT - 1}")
-        return key[0], int(episode)
+    def require_episode(self, what: str) -> None:
+        """Raise RuntimeError, naming what the user called, unless an episode has begun."""
+        self.process.require_episodes(what)
 
-    def _write(self, written: dict[str, Any], key: tuple[int, int]) -> None:
-        """Begin the episode anew with other lengths, start poses or goals."""
+    def _write(self, written: dict[str, Any], key: tuple[int, int]) -> Explicit:
+        """Return what an episode is with other lengths, start poses or goals."""
         batch, scenario = self.process.batch, self.process.batch.scenario
-        state, fleet, goals = batch.worlds.state, batch.worlds.fleet, batch.worlds.goals
+        # the episode is drawn beside the world, which stays as it is until all has been checked
+        worlds, placed = copy.deepcopy(batch.worlds), np.zeros(1, np.bool_)
+        keys = np.array([key], np.int64).T
+        begin_worlds(1, scenario, batch.task, worlds, keys[0], keys[1], placed, threads=1)
+        check_placed(placed, scenario)
+        state, fleet, goals = worlds.state, worlds.fleet, worlds.goals
         drawn = {
             "lengths": [
                 fleet.length[agent, : fleet.num_trailers[agent, 0] + 1, 0].tolist()
@@ -134,7 +151,24 @@ class SingleWorld:
                 f"reset got a HAV with {found.max_trailers} trailers, but this environment has"
                 f" room for {scenario.max_trailers}"
             )
-        begin(found, batch.task, batch.worlds, 0, *key)
+        return found
+
+
+def _read_options(options: Any) -> dict[str, Any]:
+    """Return the options of a reset that have a value."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise TypeError(f"options is {show(options)}, but must be a dictionary or None")
+    for name in options:
+        if not isinstance(name, str):
+            raise TypeError(f"options has the key {show(name)}, but all keys must be strings")
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def _read_episode(episode: Any) -> int:
+    check_value("episode", Seed, episode)
+    return int(episode)
 
 
 class OfOneWorld:
@@ -153,7 +187,13 @@ class OfOneWorld:
         return self._world.process.batch.scenario
 
     def render(self) -> Any:
-        """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window)."""
+        """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window).
+
+        Raises:
+            RuntimeError: before the first ``reset``.
+            OSError: when there is no display for a window.
+        """
+        self._world.require_episode("render")
         return self._world.screen.show()
 
     def close(self) -> None:

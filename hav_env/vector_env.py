@@ -8,9 +8,10 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from hav_env.actions import read_action
 from hav_env.advance import TERMINATED, TRUNCATED
 from hav_env.batch import check_seed
-from hav_env.decision_process import DecisionProcess, Settings, check_finite, warn_of_unknown
+from hav_env.decision_process import DecisionProcess, Settings, warn_of_unknown
 from hav_env.fields import check_value
 from hav_env.quantities import Worlds
 from hav_env.randomness import SEED_LIMIT
@@ -42,6 +43,7 @@ class _WorldsVectorEnv(VectorEnv):
         self.single_action_space = view.action_space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._shape = self.num_envs, *view.action_space.shape
         self._masks = tuple(f"_{name}" for name in process.info)
         self._seeds: np.ndarray | None = None
         self._episodes = np.zeros(self.num_envs, np.int64)
@@ -81,17 +83,13 @@ class _WorldsVectorEnv(VectorEnv):
         """Take one action in every world.
 
         Raises:
+            TypeError: when the actions are no numbers.
             ValueError: when the shape is wrong or a number is not finite.
             RuntimeError: before the first ``reset``, or after one that failed; with autoreset
                 disabled, where a world whose episode has ended was not reset.
             PlacementError: when the next episode of a world cannot begin; ``reset`` must follow.
         """
-        actions = np.array(actions, float)
-        if actions.shape != self.action_space.shape:
-            raise ValueError(
-                f"the actions have shape {actions.shape}, but must have {self.action_space.shape}"
-            )
-        check_finite(actions)
+        actions = read_action("the array of actions", actions, self._shape)
         if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
             ended = np.flatnonzero(self._over).tolist()
             raise RuntimeError(f"reset the worlds {ended} first: their episodes have ended")

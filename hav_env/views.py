@@ -8,6 +8,7 @@ import numpy as np
 from gymnasium import spaces
 
 from hav_env.decision_process import DecisionProcess
+from hav_env.kinds import show
 from hav_env.observation import bounds_of
 
 Team = Literal["mean", "sum", "min"]
@@ -39,11 +40,13 @@ class JointView:
         """Show a process; ``flatten`` makes spaces with one axis.
 
         Raises:
-            ValueError: when ``team_reward`` is not known.
+            ValueError: when ``team_reward`` is not known; TypeError: when ``flatten`` is no bool.
         """
-        if team_reward not in get_args(Team):
+        if not isinstance(team_reward, str) or team_reward not in get_args(Team):
             known = ", ".join(get_args(Team))
-            raise ValueError(f"team_reward is {team_reward!r}, but must be one of {known}")
+            raise ValueError(f"team_reward is {show(team_reward)}, but must be one of {known}")
+        if not isinstance(flatten, bool):
+            raise TypeError(f"flatten is {show(flatten)}, but must be True or False")
         self.team_reward = team_reward
         self.observation_space = observation_box(process, process.num_havs)
         self.action_space = action_box(process.num_havs)

@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium import spaces
 from pettingzoo.utils.wrappers import BaseParallelWrapper
 
+from hav_env.actions import check_mapping, read_action
 from hav_env.gym_env import HAVSingleEnv, HAVSwarmEnv
 from hav_env.hav_swarm_v0 import HAVSwarmParallelEnv
 
@@ -25,9 +26,13 @@ class _Units:
         low, high = np.tile(self.most * [0.0, -1.0], pairs), np.tile(self.most, pairs)
         return spaces.Box(low.reshape(shape), high.reshape(shape), dtype=np.float64)
 
-    def normalize(self, action: Any) -> np.ndarray:
-        """Return an action (..., 2) or (2 N,) from -1 to 1."""
-        action = np.asarray(action, float)
+    def normalize(self, name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
+        """Return an action (..., 2) or (2 N,) from -1 to 1.
+
+        Raises:
+            TypeError, ValueError: as of ``read_action``, whose arguments these are.
+        """
+        action = read_action(name, action, shape)
         shares = action.reshape(-1, 2) / self.most
         return (shares * [2.0, 1.0] - [1.0, 0.0]).reshape(action.shape)
 
@@ -44,7 +49,8 @@ class PhysicalActions(gym.ActionWrapper):
 
     def action(self, action: Any) -> np.ndarray:
         """Return the action that the environment takes."""
-        return self._units.normalize(action)
+        assert self.action_space.shape is not None
+        return self._units.normalize("the action", action, self.action_space.shape)
 
 
 class PhysicalParallelActions(BaseParallelWrapper):
@@ -62,5 +68,9 @@ class PhysicalParallelActions(BaseParallelWrapper):
 
     def step(self, actions: dict[str, Any]) -> Any:
         """Take one action of every agent."""
-        normal = {agent: self._units.normalize(action) for agent, action in actions.items()}
+        check_mapping(actions)
+        normal = {
+            agent: self._units.normalize(f"the action of {agent}", action, (2,))
+            for agent, action in actions.items()
+        }
         return super().step(normal)

@@ -189,3 +189,38 @@ def test_options_come_from_the_command_line(monkeypatch, capsys):
 def test_usage_is_printed(words, capsys):
     assert main(words) == 0
     assert "usage: python -m hav_env COMMAND" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--num-havs", "0"], "num_havs is 0"),
+        (["--num-havs", "-2"], "num_havs is -2"),
+        (["--num-havs", "2.5"], ""),
+        (["--num-havs", "nan"], ""),
+        (["--num-havs", "0", "--scenario", "swarm-5"], "num_havs is 0"),
+        (["--seed", "-1"], "seed is -1"),
+        (["--seed", "4294967296"], "seed is 4294967296"),
+        (["--seed", "nan"], ""),
+        (["--seed", "1.5"], ""),
+        (["--others", "ghost"], "unknown policy 'ghost'"),
+        (["--scenario", "moon"], "unknown scenario 'moon'"),
+        (["--scenario", "no.json"], "no scenario file no.json"),
+    ],
+    ids=lambda part: " ".join(part) if isinstance(part, list) else "",
+)
+def test_what_cannot_be_played_is_refused_before_a_window_opens(words, told, keyboard, capsys):
+    keyboard.display.quit()
+    assert main(["play", *words]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("error: ")
+    assert captured.err.count("\n") == 1
+    assert told in captured.err
+    assert not keyboard.display.get_init()
+
+
+def test_after_the_last_seed_comes_the_first():
+    road, again = Road(), frozenset({"again"})
+    drive(road, [NOTHING, again], seed=2**32 - 1, tell=print)
+    assert [call for call in road.calls if "reset" in call] == ["reset 4294967295", "reset 0"]

@@ -18,7 +18,7 @@ from hav_env.world import REMOVED
 def test_an_unknown_render_mode_is_refused():
     with pytest.raises(ValueError, match="render_mode is 'rgb', but must be one of: human, rgb"):
         Viewer("rgb")
-    with pytest.raises(ValueError, match="must be > 0"):
+    with pytest.raises(ValueError, match="must be from 1 to 8192 pixels"):
         Viewer("rgb_array", size=(0, 100))
 
 

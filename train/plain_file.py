@@ -24,7 +24,7 @@ def read_plain(path: pathlib.Path) -> dict[str, Any]:
     version = tuple(int(part) for part in torch.__version__.split(".")[:2])
     if version < _SAFE:
         raise ValueError(
-            f"PyTorch {torch.__version__} may run code in it (CVE-2025-32434): 2.6 or newer does not"
+            f"PyTorch {torch.__version__} may run code in it (CVE-2025-32434); 2.6 does not"
         )
     try:
         with zipfile.ZipFile(path) as archive:

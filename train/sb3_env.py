@@ -6,9 +6,10 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from hav_env.actions import read_action
 from hav_env.advance import TERMINATED, TRUNCATED
 from hav_env.batch import check_seed
-from hav_env.decision_process import DecisionProcess, Settings, check_finite
+from hav_env.decision_process import DecisionProcess, Settings
 from hav_env.randomness import SEED_LIMIT
 from hav_env.screen import RENDER_FPS, Screen
 from hav_env.views import action_box, observation_box
@@ -68,7 +69,7 @@ class HAVVecEnv(VecEnv):
         worlds = self.process.num_worlds
         seeds = self._seeds[:: self.process.num_havs]
         if seeds[0] is not None:
-            self._keys[0], self._keys[1] = seeds, 0
+            self._keys[0], self._keys[1] = np.array(seeds), 0
         elif self._keyed:
             self._keys[1] += 1
         else:
@@ -82,12 +83,8 @@ class HAVVecEnv(VecEnv):
 
     def step_async(self, actions: np.ndarray) -> None:
         """Take note of the actions (rows, 2)."""
-        actions = np.array(actions, float)
-        if actions.shape != (self.num_envs, 2):
-            shape = actions.shape
-            raise ValueError(f"the actions have shape {shape}, but must have ({self.num_envs}, 2)")
-        check_finite(actions)
-        self._actions = actions.reshape(self._actions.shape)
+        told = read_action("the array of actions", actions, (self.num_envs, 2))
+        self._actions = told.reshape(self._actions.shape)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Take the actions; return observations, rewards, ends and infos of all rows."""

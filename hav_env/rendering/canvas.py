@@ -14,6 +14,7 @@ os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 try:
     import pygame
     import pygame.font
+    from pygame import IS_CE  # noqa: F401  the older pygame has neither this nor smooth discs
 except ImportError as error:
     raise ImportError("rendering needs pygame-ce: pip install 'hav_env[rendering]'") from error
 
@@ -167,13 +168,21 @@ class Canvas:
         known = self._texts.get((text, size, color))
         if known is not None:
             return known
-        if size not in self._fonts:
-            # the one that comes with pygame
-            self._fonts[size] = pygame.font.Font(None, _FINER_TEXT * size)
         if len(self._texts) >= _MOST_TEXTS:
             self._texts.clear()
-        fine = self._fonts[size].render(text, True, color)
+        try:
+            fine = self._font(size).render(text, True, color)
+        except pygame.error:  # another library quit pygame, and its fonts with it
+            pygame.font.init()
+            self._fonts.clear()
+            fine = self._font(size).render(text, True, color)
         shown = [max(round(side / _FINER_TEXT), 1) for side in fine.get_size()]
         drawn = pygame.transform.smoothscale(fine, shown)
         self._texts[text, size, color] = drawn
         return drawn
+
+    def _font(self, size: int) -> pygame.font.Font:
+        if size not in self._fonts:
+            # the one that comes with pygame
+            self._fonts[size] = pygame.font.Font(None, _FINER_TEXT * size)
+        return self._fonts[size]

@@ -1,10 +1,13 @@
 """The viewer: draws scenes one after the other, into arrays or into a window.
 
+A copy of a viewer, or one that was pickled, draws what the viewer itself would have drawn.
+
 Keys in the window: F follows one HAV after the other, then shows all; + and - zoom; T trails;
 C circles; space pauses. Closing the window ends the drawing, not the program.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -23,15 +26,18 @@ from hav_env.rendering.marks import (
 from hav_env.rendering.overlay import draw_overlay, sidebar_width
 from hav_env.rendering.scene import Scene, axles_of
 from hav_env.rendering.vehicles import draw_hav
+from hav_env.rendering.window import Window
 
 RENDER_MODES = ("human", "rgb_array")
 _FEW = 4  # HAVs up to which lines lead to their goals
 _MARGIN = 0.09  # of the picture's height that is kept free round what is seen
 _ZOOM = 1.25  # of one press of a key
+_MOST_PIXELS = 8_192  # of a side: the canvas is twice as large
+_MOST_FRAMES = 1_000  # in a second: pygame's clock counts milliseconds
 
 
 class Viewer:
-    """Draws one world.
+    """Draws one world. All viewers of a process that show a window share it.
 
     Attributes:
         follow: which HAV the camera follows, None to see all.
@@ -56,13 +62,16 @@ class Viewer:
             follow: which HAV to follow from the start.
 
         Raises:
-            ValueError: when the render mode is unknown, or a size or rate is not above 0.
+            ValueError: when the render mode is unknown, or a size or rate is out of range.
         """
         if render_mode not in RENDER_MODES:
             allowed = ", ".join(RENDER_MODES)
             raise ValueError(f"render_mode is {render_mode!r}, but must be one of: {allowed}")
-        if min(size) < 1 or not frames_per_second > 0:
-            raise ValueError(f"size {size} and frames_per_second {frames_per_second} must be > 0")
+        if not 1 <= min(size) <= max(size) <= _MOST_PIXELS:
+            raise ValueError(f"size is {size}, but must be from 1 to {_MOST_PIXELS} pixels")
+        if not 0 < frames_per_second <= _MOST_FRAMES:
+            told = f"frames_per_second is {frames_per_second}"
+            raise ValueError(f"{told}, but must be above 0 and at most {_MOST_FRAMES}")
         self.render_mode = render_mode
         self.size = (int(size[0]), int(size[1]))
         self.frames_per_second = frames_per_second
@@ -71,11 +80,24 @@ class Viewer:
         self.closed = False
         self._zoom = 1.0
         self._paused = False
-        self._canvas = Canvas(self.size)
         self._camera = Camera(self.size, sidebar_width(self.size), frames_per_second)
         self._history = History()
-        self._window: pygame.Surface | None = None
+        self._set_up()
+
+    def _set_up(self) -> None:
+        """Make what is pygame's, which cannot be copied."""
+        self._canvas, self._window = Canvas(self.size), Window(self.size)
         self._clock = pygame.time.Clock()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what is pygame's."""
+        made = ("_canvas", "_window", "_clock")
+        return {name: value for name, value in self.__dict__.items() if name not in made}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Make anew what is pygame's; a window opens with the next scene."""
+        self.__dict__.update(state)
+        self._set_up()
 
     def draw(self, scene: Scene) -> np.ndarray | None:
         """Draw a scene.
@@ -84,6 +106,9 @@ class Viewer:
 
         Returns:
             (height, width, 3) uint8, an array of its own, or None when drawn in a window or closed.
+
+        Raises:
+            NoDisplayError: an OSError, when there is no display for a window.
         """
         if self.closed:
             return None
@@ -106,25 +131,17 @@ class Viewer:
     def close(self) -> None:
         """Close the window, if there is one, and draw no more. Twice is fine."""
         self.closed = True
-        if self._window is not None:
-            self._window = None
-            pygame.display.quit()
+        self._window.close()
 
     def _show(self, scene: Scene) -> None:
-        """Draw in the window, and do what was asked for there."""
-        if self._window is None:
-            pygame.display.init()
-            self._window = pygame.display.set_mode(self.size)
-            pygame.display.set_caption("hav_env")
-        for event in pygame.event.get():
-            if event.type == pygame.QUIT:
-                self.close()
-                return
-            if event.type == pygame.KEYDOWN:
-                self._press(event.key, len(scene.x))
+        """Draw in the window, and do what the user asked for there."""
+        for event in self._window.take_events():
+            self._press(event.key, len(scene.x))
+        if self._window.asked_to_close:
+            self.close()
+            return
         self._paint(scene)
-        self._window.blit(self._canvas.surface, (0, 0))
-        pygame.display.flip()
+        self._window.show(self._canvas.surface)
         self._clock.tick(self.frames_per_second)
 
     def _press(self, key: int, num_havs: int) -> None:
