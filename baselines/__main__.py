@@ -7,7 +7,6 @@ the names are read first and the rest is left to tyro.
 import contextlib
 import dataclasses
 import pathlib
-import re
 import sys
 import tempfile
 from collections.abc import Callable
@@ -16,20 +15,32 @@ from typing import Annotated, Any
 import tyro
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from baselines.calibrate import calibrate
 from baselines.engines import open_engine
-from baselines.evaluate import compare, markdown, read_columns
+from baselines.evaluate import compare, read_columns
 from baselines.files import write_text
+from baselines.locks import sole_user
+from baselines.markup import file_names, markdown
 from baselines.options import asks_for_help, read_options, take_option, take_words
 from baselines.progress import Progress
 from baselines.registry import KNOWN, find_policy
 from baselines.reproduce import PAPER_EXPERIMENTS, reproduce
-from baselines.results import Experiments, run_experiments
+from baselines.results import Experiments, check_experiments, run_experiments
 from baselines.trajectories import record_trajectory
 from baselines.trajectory_files import load_trajectory, save_trajectory
-from baselines.watch import check_display, check_output, check_pace, name_with_changes, show
+from baselines.watch import (
+    check_display,
+    check_episode,
+    check_output,
+    check_pace,
+    name_with_changes,
+    show,
+)
 from hav_env import Explicit, OnAxle, Task, find_scenario
+from hav_env.command_line import report_errors
+from hav_env.text import visible
 
 _COMMANDS = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
@@ -101,25 +112,17 @@ class _Watch(_Display):
 def main(arguments: list[str] | None = None) -> int:
     """Run a command; return the exit code. What is wrong is said in one line."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    try:
-        return _dispatch(arguments)
-    except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
-        message = " ".join(str(error).split())
-        print(f"error: {message}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        resumed = arguments[:1] != ["watch"]
-        hint = ": the same command goes on where this one stopped" if resumed else ""
-        print(f"interrupted{hint}", file=sys.stderr)
-        return 130
+    resumed = "the same command goes on where this one stopped"
+    hint = "nothing is half written" if arguments[:1] == ["watch"] else resumed
+    return report_errors(_dispatch, arguments, hint)
 
 
-def _dispatch(arguments: list[str]) -> int:
+def _dispatch(arguments: list[str]) -> None:
     if not arguments or arguments[0] in ("-h", "--help"):
         print("usage: python -m baselines COMMAND [--help]\n")
         for name, meaning in _COMMANDS.items():
             print(f"  {name:10} {meaning}")
-        return 0
+        return
     command, rest = arguments[0], arguments[1:]
     if command == "reproduce":
         _reproduce(rest)
@@ -131,7 +134,6 @@ def _dispatch(arguments: list[str]) -> int:
         _watch(rest)
     else:
         raise ValueError(f"unknown command {command!r}; known: {', '.join(_COMMANDS)}")
-    return 0
 
 
 def _reproduce(arguments: list[str]) -> None:
@@ -157,7 +159,7 @@ def _reproduce(arguments: list[str]) -> None:
         options.vehicle,
     )
     _show(rows, f"{name} beside the paper")
-    print(f"report, tables and figures: {options.output}/report.md")
+    print(f"report, tables and figures: {visible(str(options.output))}/report.md")
 
 
 def _evaluate(arguments: list[str]) -> None:
@@ -175,27 +177,26 @@ def _evaluate(arguments: list[str]) -> None:
     options = _parse("evaluate", arguments, fields, _Evaluate())
     scenario = getattr(options, "scenario", scenario)
     policies = [getattr(options, "policy", None) or make() for make in makers]
+    shared = scenario, options.episodes, options.seed, options.task, options.vehicle
+    jobs = [Experiments(policy, *shared) for policy in policies]
+    for job in jobs:
+        check_experiments(job, options.threads)
     with contextlib.ExitStack() as stack:
         kept = options.output is not None
-        output = options.output or pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory()))
         engine = stack.enter_context(open_engine(options.engine, options.address))
+        output = options.output or pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        stack.enter_context(sole_user(output))
         progress = stack.enter_context(Progress(options.episodes * len(policies)))
-        paths = []
-        for name, policy in zip(names, policies, strict=True):
-            job = Experiments(
-                policy, scenario, options.episodes, options.seed, options.task, options.vehicle
-            )
-            label = re.sub(r"\W+", "-", name)
-            paths.append(
-                run_experiments(
-                    job, output, label, options.threads, options.overwrite, progress.advance, engine
-                )
-            )
+        how = options.threads, options.overwrite, progress.advance, engine
+        paths = [
+            run_experiments(job, output, label, *how)
+            for job, label in zip(jobs, file_names(names), strict=True)
+        ]
         rows = compare(list(names), [read_columns(path) for path in paths])
         write_text(markdown(rows), output / "table.md")
     _show(rows, f"{options.episodes} episodes of {scenario_name}, seed {options.seed}")
     if kept:
-        print(f"tables: {', '.join(map(str, paths))}")
+        print(f"tables: {visible(', '.join(map(str, paths)))}")
 
 
 def _calibrate(arguments: list[str]) -> None:
@@ -209,7 +210,7 @@ def _calibrate(arguments: list[str]) -> None:
         options.experiments, options.seed, options.output, options.threads, options.overwrite
     )
     _show(rows, f"{options.experiments} experiments of each scenario and choice")
-    print(f"table: {options.output}/calibration.parquet")
+    print(f"table: {visible(str(options.output))}/calibration.parquet")
 
 
 def _watch(arguments: list[str]) -> None:
@@ -219,8 +220,9 @@ def _watch(arguments: list[str]) -> None:
     if words and words[0].endswith(".npz"):
         options = _parse("watch", arguments, [], _Display())
         check_pace(options.speed, options.fps)
+        trajectory = load_trajectory(words[0])
         check_display(options.output)
-        show(load_trajectory(words[0]), options.output, options.speed, options.fps)
+        show(trajectory, options.output, options.speed, options.fps)
         return
     scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
     named = find_scenario(scenario_name)
@@ -231,6 +233,8 @@ def _watch(arguments: list[str]) -> None:
     scenario = getattr(options, "scenario", named)
     shown = options.output is not None or options.record is None
     check_pace(options.speed, options.fps)
+    job = Experiments(policy, scenario, 1, options.seed, options.task, options.vehicle)
+    check_episode(job, options.episode, options.every)
     if options.record is not None:
         check_output(options.record, (".npz",))
     if shown:
@@ -275,10 +279,12 @@ def _parse(command: str, arguments: list[str], fields: list[tuple], common: Any)
 def _show(rows: list[list[str]], title: str) -> None:
     # without a terminal rich would cut every row into slices of 80 columns
     console = Console(width=None if sys.stdout.isatty() else 160)
-    table = Table(title=title, title_justify="left")
-    for k, head in enumerate(rows[0]):
+    # as Text, for brackets in a str are rich's markup
+    shown = [[Text(visible(cell)) for cell in row] for row in rows]
+    table = Table(title=Text(visible(title)), title_justify="left")
+    for k, head in enumerate(shown[0]):
         table.add_column(head, justify="left" if k == 0 else "right")
-    for row in rows[1:]:
+    for row in shown[1:]:
         table.add_row(*row)
     console.print(table)
 

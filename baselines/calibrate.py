@@ -9,9 +9,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from baselines.avoid_jack import AvoidJack
+from baselines.locks import sole_user
+from baselines.parts import write_table
 from baselines.progress import Progress
 from baselines.reproduce import PUBLISHED
-from baselines.results import Experiments, check_at_least_one, run_experiments, write_table
+from baselines.results import Experiments, check_experiments, run_experiments
 from baselines.statistics import wilson
 from hav_env.scenarios.presets import SCENARIOS
 from hav_env.vehicles import OnAxle
@@ -87,27 +89,32 @@ def calibrate(
     Returns:
         The table as rows of text, the paper's figures first.
     """
-    check_at_least_one("experiments", experiments)
+    jobs = [_jobs(choice, experiments, seed) for choice in CHOICES]
+    for job in (job for both in jobs for job in both.values()):
+        check_experiments(job, threads, "experiments")
     folder = output / "choices"
     rows = []
-    with Progress(2 * experiments * len(CHOICES)) as progress:
-        for number, choice in enumerate(CHOICES):
-            row: dict[str, Any] = {"choice": choice.name}
-            for scenario in ("single", "pair"):
-                preset = SCENARIOS[f"paper-{scenario}"]
-                task = Experiments(
-                    AvoidJack()._replace(**choice.policy),
-                    preset._replace(fleet=preset.fleet._replace(**choice.fleet)),
-                    experiments,
-                    seed,
-                    vehicle=choice.vehicle,
-                )
-                name = f"{number:02d}-{scenario}"
-                path = run_experiments(task, folder, name, threads, overwrite, progress.advance)
-                row |= _measure(path, scenario)
-            rows.append(row)
-    write_table(pa.Table.from_pylist(rows), output / "calibration.parquet")
+    with sole_user(output), sole_user(folder):
+        with Progress(2 * experiments * len(CHOICES)) as progress:
+            how = threads, overwrite, progress.advance
+            for number, (choice, both) in enumerate(zip(CHOICES, jobs, strict=True)):
+                row: dict[str, Any] = {"choice": choice.name}
+                for scenario, job in both.items():
+                    path = run_experiments(job, folder, f"{number:02d}-{scenario}", *how)
+                    row |= _measure(path, scenario)
+                rows.append(row)
+        write_table(pa.Table.from_pylist(rows), output / "calibration.parquet")
     return _show(rows)
+
+
+def _jobs(choice: Choice, experiments: int, seed: int) -> dict[str, Experiments]:
+    """Return the experiments of a choice, by the paper's scenario."""
+    policy, jobs = AvoidJack()._replace(**choice.policy), {}
+    for name in ("single", "pair"):
+        preset = SCENARIOS[f"paper-{name}"]
+        scenario = preset._replace(fleet=preset.fleet._replace(**choice.fleet))
+        jobs[name] = Experiments(policy, scenario, experiments, seed, vehicle=choice.vehicle)
+    return jobs
 
 
 def _measure(path: pathlib.Path, scenario: str) -> dict[str, float]:

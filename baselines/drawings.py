@@ -8,6 +8,7 @@ import numpy as np
 
 from baselines.excerpts import Excerpt
 from baselines.files import whole_file
+from baselines.markup import plot_text
 from baselines.trajectories import Trajectory, chain_points
 from hav_env import Task
 
@@ -135,7 +136,7 @@ def draw_episode(
         hav, joint = excerpt.joint
         x, y = chain_points(trajectory, hav, moment)[joint]
         axes.plot(x, y, "o", ms=13, mfc="none", mec=DARK, mew=1.2, zorder=6)
-    axes.set(xlabel="x [m]", ylabel="y [m]", title=title)
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=plot_text(title))
     axes.set_aspect("equal", adjustable="datalim")
 
 

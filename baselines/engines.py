@@ -6,7 +6,7 @@ python -m baselines evaluate avoid_jack --episodes 100000 --engine ray --address
 import contextlib
 import functools
 import itertools
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from typing import Any
 
 import pyarrow as pa
@@ -17,7 +17,7 @@ from hav_env.compiled import source_digest, source_of
 Done = Generator[tuple[range, pa.Table], None, None]
 Part = Callable[[range, int | None], pa.Table]
 """Runs a span of episodes on so many threads."""
-Engine = Callable[[Part, list[range], int | None], Done]
+Engine = Callable[[Part, Iterable[range], int | None], Done]
 """Gives the tables of spans, in any order, as they are done."""
 
 ENGINES = ("local", "ray")
@@ -48,13 +48,13 @@ def open_engine(name: str = "local", address: str | None = None) -> Iterator[Eng
         yield functools.partial(run_on_cluster, ray)
 
 
-def run_here(part: Part, spans: list[range], threads: int | None) -> Done:
+def run_here(part: Part, spans: Iterable[range], threads: int | None) -> Done:
     """Run spans one after the other."""
     for span in spans:
         yield span, part(span, threads)
 
 
-def run_on_cluster(ray: Any, part: Part, spans: list[range], threads: int | None) -> Done:
+def run_on_cluster(ray: Any, part: Part, spans: Iterable[range], threads: int | None) -> Done:
     """Run spans as tasks of a cluster, each with a core for every thread, by default one.
 
     Raises:

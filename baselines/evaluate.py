@@ -111,13 +111,6 @@ def _signed(difference: Interval, figure: Figure) -> str:
     return f"{value:+.3g}{unit} [{low:+.3g}, {high:+.3g}]{star}"
 
 
-def markdown(rows: list[list[str]]) -> str:
-    """Write rows as a table in Markdown; the first row is the head."""
-    lines = ["| " + " | ".join(row) + " |" for row in rows]
-    lines.insert(1, "|" + "|".join(["---"] + ["--:"] * (len(rows[0]) - 1)) + "|")
-    return "\n".join(lines) + "\n"
-
-
 def read_columns(path: pathlib.Path) -> pa.Table:
     """Read the columns that the figures need of a table on disk."""
     names = pq.read_schema(path).names

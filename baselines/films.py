@@ -4,11 +4,13 @@ import pathlib
 
 import rich.progress
 from rich.console import Console
+from rich.markup import escape
 
 from baselines.files import whole_file
 from baselines.scenes import frame_times, scene_at
 from baselines.trajectories import Trajectory
 from hav_env.rendering.viewer import Viewer
+from hav_env.text import visible
 
 try:
     from moviepy.video.io.ffmpeg_writer import FFMPEG_VideoWriter
@@ -74,9 +76,8 @@ def write_film(trajectory: Trajectory, path: pathlib.Path, speed: float, fps: in
             )
             encoder = writer.proc
             with writer:
-                for time in rich.progress.track(
-                    times, path.name, console=Console(stderr=True), transient=True
-                ):
+                name, bar = escape(visible(path.name)), Console(stderr=True)
+                for time in rich.progress.track(times, name, console=bar, transient=True):
                     writer.write_frame(viewer.draw(scene_at(trajectory, float(time))))
             if encoder.returncode != 0:
                 raise OSError(f"the film {path} could not be finished: is the disk full?")

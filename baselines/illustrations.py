@@ -13,6 +13,7 @@ import numpy as np
 import pyarrow as pa
 
 from baselines.avoid_jack import AvoidJack
+from baselines.bounds import check_episodes, check_threads, check_whole
 from baselines.broadcasts import circle_behind, path_ahead, remember, reserved_corners
 from baselines.drawings import (
     BLUE,
@@ -32,17 +33,19 @@ from baselines.drawings import (
 from baselines.reserve import Reserve
 from baselines.reserve import layout as rows_of
 from baselines.reserve.paths import total_length
-from baselines.results import check_at_least_one
 from baselines.rollout import rollout
 from baselines.trajectories import Trajectory, chain_points, record_trajectory
 from hav_env import Crossing, RandomPoses, Task
 from hav_env.command_line import run_command
+from hav_env.scenarios import check_scenario
+from hav_env.text import visible
 
 _SEED = 2026  # of all episodes
 _PAIR = 29  # the episode of a pair that is drawn: each is in the other's way
 _MOMENTS = (31.0, 56.0, 240.0)  # of it [s]
 _CIRCLE = 2  # the episode on a circle that is drawn
 _EARLIEST = 5.0  # [s] nobody arrives before
+_MOST_HAVS, _MOST_STEPS = 1_000, 10**7
 _DASHED: dict = {"ls": (0, (4, 1.5)), "lw": 0.8}
 _DOTTED: dict = {"ls": (0, (1, 1.2)), "lw": 1.0}
 _ARROW: dict = {"ls": "", "marker": r"$\rightarrow$", "ms": 10}
@@ -81,10 +84,12 @@ def illustrate(options: Options) -> str:
     Raises:
         ValueError, OSError: when an option is not allowed, or the folder cannot be written.
     """
-    for name in ("episodes", "worlds", "havs", "steps"):
-        check_at_least_one(name, getattr(options, name))
-    if options.threads is not None:
-        check_at_least_one("threads", options.threads)
+    check_whole("steps", options.steps, 1, _MOST_STEPS)
+    check_whole("havs", options.havs, 1, _MOST_HAVS)
+    check_scenario(RandomPoses(num_havs=options.havs))
+    check_episodes("episodes", options.episodes, 2)
+    check_episodes("worlds", options.worlds, options.havs)
+    check_threads(options.threads)
     if options.output.exists() and not options.output.is_dir():
         raise ValueError(f"output {options.output} is a file, but must be a folder")
     options.output.mkdir(parents=True, exist_ok=True)  # before anything is simulated
@@ -97,7 +102,7 @@ def illustrate(options: Options) -> str:
     names = []
     for name, figure in figures.items():
         names += save_figure(figure, options.output, name, ("png",))
-    return "\n".join(str(options.output / name) for name in names)
+    return "\n".join(visible(str(options.output / name)) for name in names)
 
 
 def _run(options: Options, task: Task) -> dict[str, list[pa.Table]]:

@@ -8,11 +8,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from baselines.avoid_jack import AvoidJack
-from baselines.evaluate import compare, markdown
+from baselines.evaluate import compare
 from baselines.files import write_text
 from baselines.fingerprints import fingerprints
+from baselines.locks import sole_user
+from baselines.markup import code, markdown
 from baselines.progress import Progress
-from baselines.results import Experiments, check_at_least_one, run_experiments
+from baselines.results import Experiments, check_experiments, run_experiments
 from baselines.statistics import proportions_agree, wilson
 from hav_env import OnAxle
 from hav_env.scenarios.presets import SCENARIOS
@@ -72,17 +74,20 @@ def reproduce(
         ValueError: when a parameter is not allowed, or the folder holds another run.
         OSError: when the folder cannot be written.
     """
-    check_at_least_one("experiments", experiments)
-    tables = {}
-    with Progress(2 * experiments) as progress:
-        for name in ("single", "pair"):
-            scenario = SCENARIOS[f"paper-{name}"]
-            job = Experiments(policy, scenario, experiments, seed, vehicle=vehicle)
-            path = run_experiments(job, output, name, threads, overwrite, progress.advance)
-            tables[name] = pq.read_table(path)
-    rows = beside_paper(tables["single"], tables["pair"])
-    drawn = _draw(tables, output, policy, seed, vehicle)
-    write_text(_report(policy, experiments, seed, rows, tables, drawn), output / "report.md")
+    jobs = {
+        name: Experiments(policy, SCENARIOS[f"paper-{name}"], experiments, seed, vehicle=vehicle)
+        for name in ("single", "pair")
+    }
+    for job in jobs.values():
+        check_experiments(job, threads, "experiments")
+    with sole_user(output):
+        with Progress(2 * experiments) as progress:
+            how = threads, overwrite, progress.advance
+            paths = {name: run_experiments(job, output, name, *how) for name, job in jobs.items()}
+        tables = {name: pq.read_table(path) for name, path in paths.items()}
+        rows = beside_paper(tables["single"], tables["pair"])
+        drawn = _draw(tables, output, policy, seed, vehicle)
+        write_text(_report(policy, experiments, seed, rows, tables, drawn), output / "report.md")
     return rows
 
 
@@ -139,7 +144,7 @@ def _report(
     parts = [
         f"# {name} in the paper's experiments\n",
         f"{experiments} experiments with one HAV and {experiments} with two, seed {seed}, policy"
-        f" `{_show(policy)}`.\n\n"
+        f" {code(_show(policy))}.\n\n"
         '"agree": the 95 % interval of the difference (Newcombe, from the Wilson intervals shown in'
         " brackets) contains zero.\n",
         markdown(rows),

@@ -16,11 +16,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from baselines.evaluate import markdown
 from baselines.files import write_text
+from baselines.locks import sole_user
+from baselines.markup import file_names, markdown
 from baselines.progress import Progress
 from baselines.registry import find_policy
-from baselines.results import Experiments, run_experiments
+from baselines.results import Experiments, check_experiments, run_experiments
 from baselines.statistics import wilson
 from hav_env import Task, find_scenario
 from hav_env.command_line import run_command
@@ -83,6 +84,16 @@ class Options(Sample):
     """Names, files, or module:Class; by default those that the survey has for each scenario."""
 
 
+class Run(NamedTuple):
+    """One row of a table: which policy is run on which entry, and under which name it is kept."""
+
+    entry: Entry
+    name: str
+    policy: Any
+    task: Task
+    label: str
+
+
 class Findings(NamedTuple):
     """What came of a policy in a scenario."""
 
@@ -124,14 +135,39 @@ def survey(options: Options) -> str:
         for name in options.scenarios
         for policy in options.policies or entries[name].policies
     ]
+    labels = file_names([f"{entry.scenario}-{name}" for entry, name, _ in chosen])
+    runs = [
+        Run(entry, name, policy, Task(max_steps=entry.max_steps), label)
+        for (entry, name, policy), label in zip(chosen, labels, strict=True)
+    ]
+    return run_all(runs, options)
+
+
+def run_all(runs: list[Run], sample: Sample) -> str:
+    """Run what has not been run; write the table, and return it in Markdown.
+
+    Raises:
+        ValueError, TypeError, OSError: as ``survey``.
+    """
+    jobs = [_job(run, sample) for run in runs]
+    for job in jobs:
+        check_experiments(job, sample.threads)
     rows = [list(HEAD)]
-    with Progress(sum(episodes_of(entry, options) for entry, _, _ in chosen)) as progress:
-        for entry, name, policy in chosen:
-            label = f"{entry.scenario}-{pathlib.PurePath(name).stem.replace(':', '-')}"
-            task = Task(max_steps=entry.max_steps)
-            found = run_entry(entry, policy, task, label, options, progress)
-            rows.append(row_of(entry.scenario, name, found))
-    return write_report(rows, options)
+    with sole_user(sample.output):
+        with Progress(sum(job.num_episodes for job in jobs)) as progress:
+            how = sample.threads, sample.overwrite, progress.advance
+            for run, job in zip(runs, jobs, strict=True):
+                path = run_experiments(job, sample.output, run.label, *how)
+                found = look_at(pq.read_table(path), job.scenario.fleet)
+                rows.append(row_of(run.entry.scenario, run.name, found))
+        report = markdown(rows)
+        write_text(report, sample.output / "report.md")
+    return report
+
+
+def _job(run: Run, sample: Sample) -> Experiments:
+    scenario, episodes = find_scenario(run.entry.scenario), episodes_of(run.entry, sample)
+    return Experiments(run.policy, scenario, episodes, sample.seed, run.task)
 
 
 def episodes_of(entry: Entry, sample: Sample) -> int:
@@ -143,25 +179,6 @@ def episodes_of(entry: Entry, sample: Sample) -> int:
     if not 0 < sample.share <= 1:
         raise ValueError(f"share is {sample.share}, but must be above 0 and at most 1")
     return max(1, round(sample.share * entry.episodes))
-
-
-def run_entry(
-    entry: Entry, policy: Any, task: Task, label: str, sample: Sample, progress: Progress
-) -> Findings:
-    """Run what has not been run of an entry, kept under a label; return what came of it."""
-    scenario = find_scenario(entry.scenario)
-    job = Experiments(policy, scenario, episodes_of(entry, sample), sample.seed, task)
-    path = run_experiments(
-        job, sample.output, label, sample.threads, sample.overwrite, progress.advance
-    )
-    return look_at(pq.read_table(path), scenario.fleet)
-
-
-def write_report(rows: list[list[str]], sample: Sample) -> str:
-    """Write a table as ``report.md``; return it, in Markdown."""
-    report = markdown(rows)
-    write_text(report, sample.output / "report.md")
-    return report
 
 
 def look_at(table: pa.Table, fleet) -> Findings:

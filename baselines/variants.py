@@ -8,17 +8,8 @@ import pathlib
 import sys
 from typing import NamedTuple
 
-from baselines.progress import Progress
 from baselines.reserve import Reserve
-from baselines.survey import (
-    HEAD,
-    Entry,
-    Sample,
-    episodes_of,
-    row_of,
-    run_entry,
-    write_report,
-)
+from baselines.survey import Entry, Run, Sample, run_all
 from hav_env import Task, find_scenario
 from hav_env.command_line import run_command
 
@@ -65,17 +56,15 @@ def run_variants(sample: Sample) -> str:
         ValueError, OSError: when options are wrong, or the folder holds other results or cannot be
             written.
     """
-    rows = [list(HEAD)]
-    with Progress(len(VARIANTS) * sum(episodes_of(entry, sample) for entry in ENTRIES)) as progress:
-        for entry in ENTRIES:
-            for number, variant in enumerate(VARIANTS):
-                policy = variant.policy
-                if variant.in_turns:
-                    policy = policy._replace(turns=find_scenario(entry.scenario).num_havs)
-                label = f"{entry.scenario}-{number}"
-                found = run_entry(entry, policy, variant.task, label, sample, progress)
-                rows.append(row_of(entry.scenario, variant.name, found))
-    return write_report(rows, sample)
+    runs = []
+    for entry in ENTRIES:
+        for number, variant in enumerate(VARIANTS):
+            policy = variant.policy
+            if variant.in_turns:
+                policy = policy._replace(turns=find_scenario(entry.scenario).num_havs)
+            label = f"{entry.scenario}-{number}"
+            runs.append(Run(entry, variant.name, policy, variant.task, label))
+    return run_all(runs, sample)
 
 
 if __name__ == "__main__":

@@ -1,15 +1,19 @@
 """One episode to be looked at: in a window, as a film, or as a page that replays it."""
 
-import math
 import os
 import pathlib
 
+from baselines.bounds import check_whole
 from baselines.replay import write_replay
+from baselines.results import Experiments, check_experiments
 from baselines.trajectories import Trajectory
+from hav_env.randomness import SEED_LIMIT
 
 FILMS = (".mp4", ".gif")
 PAGES = (".html",)
 _SPEED, _LONGEST = 10.0, 60.0  # times real time; a film's length [s] from which it runs faster
+_SLOWEST, _FASTEST = 0.01, 10_000.0  # times real time
+_MOST_SKIPPED = 10**9  # steps
 
 
 def check_display(output: pathlib.Path | None) -> None:
@@ -45,10 +49,25 @@ def check_output(path: pathlib.Path, suffixes: tuple[str, ...]) -> None:
 
 def check_pace(speed: float | None, fps: int) -> None:
     """Raise ValueError unless speed (None: by default) and frames per second can be shown."""
-    if speed is not None and not (math.isfinite(speed) and speed > 0):
-        raise ValueError(f"speed is {speed}, but must be finite and above 0")
-    if not 1 <= fps <= 100:
-        raise ValueError(f"fps is {fps}, but must be from 1 to 100")
+    if speed is not None and not _SLOWEST <= speed <= _FASTEST:
+        raise ValueError(f"speed is {speed}, but must be from {_SLOWEST} to {_FASTEST:g}")
+    check_whole("fps", fps, 1, 100)
+
+
+def check_episode(job: Experiments, episode: int, every: int) -> None:
+    """Check, before anything is written, what is simulated and which states are kept.
+
+    Args:
+        job: policy, scenario, seed and rules.
+        episode: its number.
+        every: keep the states after each so many steps.
+
+    Raises:
+        TypeError, ValueError: naming the argument, its value and what is allowed.
+    """
+    check_experiments(job)
+    check_whole("episode", episode, 0, SEED_LIMIT - 1)
+    check_whole("every", every, 1, _MOST_SKIPPED)
 
 
 def show(

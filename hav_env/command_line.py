@@ -8,6 +8,8 @@ from typing import TypeVar
 
 import tyro
 
+from hav_env.text import one_line
+
 Options = TypeVar("Options")
 
 
@@ -66,16 +68,35 @@ def run_command(
     Returns:
         The exit code: 0, 2 when something is wrong, 130 when interrupted.
     """
-    words = sys.argv[1:] if words is None else words
+
+    def whole(words: list[str]) -> None:
+        print(run(parse_options(type(default), program, description, words, default)))
+
+    return report_errors(whole, words, interrupted)
+
+
+def report_errors(
+    run: Callable[[list[str]], None], words: list[str] | None, interrupted: str
+) -> int:
+    """Run a command; say what is wrong in one line.
+
+    Args:
+        run: takes the words of the command line.
+        words: of the command line, by default the process's.
+        interrupted: what is said then.
+
+    Returns:
+        The exit code: 0, 2 when something is wrong, 130 when interrupted.
+    """
     try:
-        said = run(parse_options(type(default), program, description, words, default))
-    except (ValueError, TypeError, OSError, ImportError) as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        run(sys.argv[1:] if words is None else words)
+    except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
+        told = str(error) or type(error).__name__
+        print(f"error: {one_line(told)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print(f"interrupted: {interrupted}", file=sys.stderr)
         return 130
-    print(said)
     return 0
 
 

@@ -7,23 +7,26 @@ every policy drives it. An interrupted comparison goes on where it stopped.
 
 import dataclasses
 import pathlib
-import re
 import sys
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
-from baselines.evaluate import compare, markdown, read_columns, score, tabulate_scores
-from baselines.files import whole_file, write_text
+from baselines.bounds import check_whole
+from baselines.evaluate import compare, read_columns, score, tabulate_scores
+from baselines.files import write_text
+from baselines.locks import sole_user
+from baselines.markup import file_names, markdown
+from baselines.parts import write_table
 from baselines.policy_files import load_trained
 from baselines.progress import Progress
 from baselines.registry import find_policy, policy_file
 from baselines.reproduce import PAPER_EXPERIMENTS
-from baselines.results import Experiments, check_at_least_one, run_experiments
+from baselines.results import Experiments, check_experiments, run_experiments
 from baselines.trajectories import record_trajectory
 from hav_env import find_scenario
 from hav_env.command_line import run_command
+from hav_env.randomness import SEED_LIMIT
 
 SCRIPTED = ("avoid_jack", "dubins_pursuit", "random")
 
@@ -63,32 +66,37 @@ def compare_all(options: Options) -> str:
         ValueError, TypeError, OSError, ImportError: when options are wrong, the folder holds other
             results or cannot be written, or what draws is not installed.
     """
-    check_at_least_one("episodes", options.episodes)
+    check_whole("shown", options.shown, 0, SEED_LIMIT - 1)
     groups = {"paper-single": options.single, "paper-pair": options.pair}
     policies = {
         scenario: {name: find_policy(name)() for name in names}
         for scenario, names in groups.items()
         if names
     }
+    jobs = {
+        scenario: [_job(options, scenario, policy) for policy in named.values()]
+        for scenario, named in policies.items()
+    }
+    for job in (job for of_one in jobs.values() for job in of_one):
+        check_experiments(job, options.threads)
     parts = [f"# Policies compared\n\n{options.episodes} episodes of seed {options.seed} each.\n"]
-    with Progress(options.episodes * sum(map(len, policies.values()))) as progress:
-        for scenario, named in policies.items():
-            tables = [
-                _run(options, scenario, name, policy, progress) for name, policy in named.items()
-            ]
-            parts += _report(options, scenario, named, tables)
-    report = "\n".join(parts)
-    write_text(report, options.output / "report.md")
+    with sole_user(options.output):
+        with Progress(options.episodes * sum(map(len, jobs.values()))) as progress:
+            how = options.threads, options.overwrite, progress.advance
+            for scenario, named in policies.items():
+                labels = file_names([f"{scenario}-{name}" for name in named], "[^0-9A-Za-z]+")
+                tables = [
+                    read_columns(run_experiments(job, options.output, label, *how))
+                    for job, label in zip(jobs[scenario], labels, strict=True)
+                ]
+                parts += _report(options, scenario, named, tables)
+        report = "\n".join(parts)
+        write_text(report, options.output / "report.md")
     return report
 
 
-def _run(options: Options, scenario: str, name: str, policy: Any, progress: Progress) -> pa.Table:
-    job = Experiments(policy, find_scenario(scenario), options.episodes, options.seed)
-    label = f"{scenario}-{re.sub(r'[^0-9A-Za-z]+', '-', name)}"
-    path = run_experiments(
-        job, options.output, label, options.threads, options.overwrite, progress.advance
-    )
-    return read_columns(path)
+def _job(options: Options, scenario: str, policy: Any) -> Experiments:
+    return Experiments(policy, find_scenario(scenario), options.episodes, options.seed)
 
 
 def _report(
@@ -101,8 +109,7 @@ def _report(
 
     names, folder = list(policies), options.output
     scores = score(names, tables)
-    with whole_file(folder / f"{scenario}-figures.parquet") as unfinished:
-        pq.write_table(tabulate_scores(scores), unfinished)
+    write_table(tabulate_scores(scores), folder / f"{scenario}-figures.parquet")
     drawn = [*save_figure(draw_bars(scores, scenario), folder, f"{scenario}-bars")]
     curves = {name: _curve(name) for name in names if _curve(name)}
     if curves:

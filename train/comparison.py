@@ -20,6 +20,7 @@ from baselines.drawings import (
 )
 from baselines.evaluate import Score
 from baselines.excerpts import Excerpt
+from baselines.markup import plot_text
 from baselines.trajectories import Trajectory
 
 _COLORS = (GREY, BLUE, LIGHT, ORANGE, GREEN, PURPLE)
@@ -42,11 +43,11 @@ def draw_bars(scores: list[list[Score]], title: str) -> Figure:
             color = _COLORS[place % len(_COLORS)]
             axes.bar(place, scale * value, 0.8, yerr=reach, color=color, ecolor=DARK, capsize=2)
         axes.set_title(f"{row[0].figure.name}{' [%]' if row[0].figure.percent else ''}")
-        axes.set_xticks(range(len(row)), [one.policy.replace("_", "\n") for one in row])
+        axes.set_xticks(range(len(row)), [plot_text(one.policy).replace("_", "\n") for one in row])
         axes.tick_params(axis="x", labelsize=5)
     for axes in panels[len(scores) :]:
         axes.remove()
-    figure.suptitle(title)
+    figure.suptitle(plot_text(title))
     return figure
 
 
@@ -70,14 +71,14 @@ def draw_curves(
         for what in shown:
             axes = goals if what.endswith(" hit") else harm
             values = [100.0 * row[what] for row in curve]
-            label = what if len(curves) == 1 else f"{policy}: {what}"
+            label = plot_text(what if len(curves) == 1 else f"{policy}: {what}")
             style = ("-", "-.", ":")[k % 3]
             axes.plot(millions, values, color=colors[what], ls=style, label=label)
             axes.axhline(100.0 * reference[what], color=colors[what], lw=0.7, ls=(0, (4, 3)))
     harm.set_yscale("symlog", linthresh=1.0)
     for axes in (goals, harm):
         axes.set(xlabel="decisions [millions]", ylabel="share of HAVs [%]")
-        axes.set_title(f"dashed: {name}")
+        axes.set_title(f"dashed: {plot_text(name)}")
         axes.set_ylim(bottom=0.0)
         axes.legend()
     return figure

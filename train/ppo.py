@@ -22,13 +22,15 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import VecNormalize
 
+from baselines.locks import sole_user
 from baselines.network import Network
 from baselines.options import take_option
 from baselines.policy_files import save_policy
 from baselines.registry import find_trained
 from hav_env import Observation, Reward
-from hav_env.command_line import parse_options
+from hav_env.command_line import parse_options, report_errors
 from hav_env.randomness import SEED_LIMIT
+from hav_env.text import visible
 from train import checks
 from train.between import Between
 from train.checkpoints import read_checkpoint, write_checkpoint
@@ -277,10 +279,16 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
 def main(words: list[str] | None = None) -> int:
     """Train; return the exit code. What is wrong is said in one line."""
     logging.basicConfig(format="%(message)s")
-    try:
-        arguments, resumed = read_arguments(sys.argv[1:] if words is None else words)
-        checks.check_arguments(arguments)
-        run = Run(arguments)
+    hint = "--resume FOLDER goes on from the last checkpoint"
+    return report_errors(train, words, hint)
+
+
+def train(words: list[str]) -> None:
+    """Train as a command line says; print what came of it."""
+    arguments, resumed = read_arguments(words)
+    checks.check_arguments(arguments)
+    run = Run(arguments)
+    with sole_user(arguments.output):
         if resumed:
             run.go_on()
         else:
@@ -288,15 +296,8 @@ def main(words: list[str] | None = None) -> int:
         run.learn()
         best = arguments.output / "best.policy"
         found = conclude(best, arguments.scenario, arguments.scored_episodes)
-    except (ValueError, TypeError, OSError) as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("interrupted: --resume FOLDER goes on from the last checkpoint", file=sys.stderr)
-        return 130
     print(", ".join(f"{name} {value:.4g}" for name, value in found.items()))
-    print(f"policy: {best}")
-    return 0
+    print(f"policy: {visible(str(best))}")
 
 
 if __name__ == "__main__":

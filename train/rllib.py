@@ -16,7 +16,6 @@ The folder of a run holds ``run.json`` (arguments, versions), ``curve.json`` (ev
 import dataclasses
 import json
 import logging
-import os
 import pathlib
 import sys
 import time
@@ -27,12 +26,14 @@ import torch
 
 from baselines.cluster import connect
 from baselines.files import write_text
+from baselines.locks import sole_user
 from baselines.network import Network
 from baselines.options import take_option
 from baselines.policy_files import save_policy
 from baselines.progress import new_bar
-from hav_env.command_line import parse_options
+from hav_env.command_line import parse_options, report_errors
 from hav_env.decision_process import DecisionProcess
+from hav_env.text import visible
 from train.checks import check_arguments
 from train.curriculum import reward_at
 from train.exercise import settings_of
@@ -129,25 +130,24 @@ def main(words: list[str] | None = None) -> int:
     """Train; return the exit code. What is wrong is said in one line."""
     logging.basicConfig(format="%(message)s")
     torch.set_num_threads(1)
-    try:
-        arguments = read_arguments(sys.argv[1:] if words is None else words)
-        check_arguments(arguments)
-        check_batch(arguments)
-        with connect(arguments.address):
-            logging.getLogger("ray").setLevel(logging.ERROR)  # it warns of its own old ways
-            run = Run(arguments)
+    hint = "the folder of the run keeps the policies so far"
+    return report_errors(train, words, hint)
+
+
+def train(words: list[str]) -> None:
+    """Train as a command line says; print what came of it."""
+    arguments = read_arguments(words)
+    check_arguments(arguments)
+    check_batch(arguments)
+    with connect(arguments.address):
+        logging.getLogger("ray").setLevel(logging.ERROR)  # it warns of its own old ways
+        run = Run(arguments)
+        with sole_user(arguments.output):
             begin_run(arguments.output, plain(arguments))
             run.learn()
-            run.algorithm.stop()
-    except (ValueError, TypeError, OSError) as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print(f"interrupted: {arguments.output} keeps the policies so far", file=sys.stderr)
-        return 130
+        run.algorithm.stop()
     print(", ".join(f"{name} {value:.4g}" for name, value in run.curve[-1].items()))
-    print(f"policy: {os.path.join(arguments.output, 'best.policy')}")
-    return 0
+    print(f"policy: {visible(str(arguments.output / 'best.policy'))}")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,8 @@ import subprocess
 from typing import Any, TypeVar
 
 import hav_env
-from baselines.files import write_text
+from baselines.files import read_object, write_text
+from baselines.locks import LOCK
 from baselines.policy_files import load_trained
 from baselines.registry import policy_file
 
@@ -25,7 +26,7 @@ def begin_run(folder: pathlib.Path, arguments: dict[str, Any]) -> None:
         ValueError: when the folder holds something.
         OSError: when it cannot be made or written to.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+    if folder.exists() and not (folder.is_dir() and {p.name for p in folder.iterdir()} <= {LOCK}):
         raise ValueError(f"{folder} exists and is not empty: choose another --output, or --resume")
     folder.mkdir(parents=True, exist_ok=True)
     told = {"arguments": arguments, **versions()}
@@ -49,10 +50,10 @@ def read_run(folder: pathlib.Path, needed: str) -> dict[str, Any]:
         raise ValueError(f"{folder} has no {needed} yet: begin it anew in another folder")
     if not os.access(folder, os.W_OK):
         raise PermissionError(f"the folder {folder} cannot be written to")
-    try:
-        return json.loads(description.read_text())["arguments"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{description} is broken: {error}") from None
+    arguments = read_object(description).get("arguments")
+    if not isinstance(arguments, dict):
+        raise ValueError(f"{description} is broken: it holds no arguments")
+    return arguments
 
 
 def plain(arguments: Any) -> dict[str, Any]:
@@ -73,18 +74,41 @@ def restore(arguments_class: type[Arguments], told: dict[str, Any]) -> Arguments
         ValueError: when they are not arguments of this class.
     """
     usual = vars(arguments_class())
-
-    def read(name: str, value: Any) -> Any:
-        kind = type(usual[name])
-        return kind(**value) if isinstance(value, dict) else kind(value)
-
     try:
-        missing = set(usual) - set(told)
-        if missing:
-            raise KeyError(*sorted(missing))
-        return arguments_class(**{name: read(name, value) for name, value in told.items()})
-    except (KeyError, TypeError, ValueError) as error:
+        different = set(usual) ^ set(told)
+        if different:
+            raise ValueError(", ".join(map(repr, sorted(different))))
+        return arguments_class(
+            **{name: _read_as(usual[name], name, value) for name, value in told.items()}
+        )
+    except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"the run has other arguments than this version: {error}") from None
+
+
+def _read_as(usual: Any, name: str, value: Any) -> Any:
+    """Return what JSON knows of a value as the kind of thing that it usually is.
+
+    Raises:
+        TypeError: when it is something else.
+    """
+    if hasattr(usual, "_asdict"):
+        if not isinstance(value, dict) or set(value) != set(usual._fields):
+            raise TypeError(f"{name} is {value!r}, but must have the fields {usual._fields}")
+        fields = {field: _read_as(getattr(usual, field), field, value[field]) for field in value}
+        return type(usual)(**fields)
+    if isinstance(usual, tuple):
+        if not isinstance(value, list):
+            raise TypeError(f"{name} is {value!r}, but must be a list")
+        return tuple(_read_as(usual[0], name, one) for one in value)
+    if usual is None:
+        kinds: tuple[type, ...] = (str, type(None))
+    elif isinstance(usual, float):
+        kinds = (float, int)
+    else:
+        kinds = (str,) if isinstance(usual, pathlib.Path) else (type(usual),)
+    if not isinstance(value, kinds) or isinstance(value, bool) is not isinstance(usual, bool):
+        raise TypeError(f"{name} is {value!r}, but must be of type {type(usual).__name__}")
+    return value if usual is None else type(usual)(value)
 
 
 def about_of(name: str) -> dict[str, Any]:

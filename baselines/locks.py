@@ -1,0 +1,121 @@
+"""This module locks files against other processes; the system frees what a killed process held.
+
+Locks are advisory. On a network file system they hold between machines if it is mounted so.
+"""
+
+import contextlib
+import logging
+import os
+import pathlib
+import sys
+import threading
+from collections.abc import Iterator
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def lock(descriptor: int) -> bool:
+        """Lock an open file; return False when it is locked already.
+
+        Raises:
+            OSError: when the file system has no locks.
+        """
+        try:
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        except PermissionError:
+            return False
+        return True
+
+else:
+    import fcntl
+
+    def lock(descriptor: int) -> bool:
+        """Lock an open file; return False when it is locked already.
+
+        Raises:
+            OSError: when the file system has no locks.
+        """
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+
+LOCK = ".lock"  # is in the folder while a run works there
+_held = threading.local()  # folders that this thread works in
+
+
+@contextlib.contextmanager
+def sole_user(folder: pathlib.Path) -> Iterator[None]:
+    """Keep other processes and threads from working in a folder; make it if it does not exist.
+
+    The thread that works in the folder may enter again.
+
+    Raises:
+        ValueError: when the folder is a file.
+        BlockingIOError: when another run works there.
+        OSError: when the folder cannot be made or written to.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"output {folder} is a file, but must be a folder")
+    folder.mkdir(parents=True, exist_ok=True)
+    place = folder.resolve()
+    if place in _folders():
+        yield
+        return
+    descriptor = _take(folder / LOCK, folder)
+    _folders().add(place)
+    try:
+        yield
+    finally:
+        _folders().discard(place)
+        _leave(folder / LOCK, descriptor)
+
+
+def _folders() -> set[pathlib.Path]:
+    if not hasattr(_held, "folders"):
+        _held.folders = set()
+    return _held.folders
+
+
+def _take(path: pathlib.Path, folder: pathlib.Path) -> int:
+    """Return the descriptor of the lock's file, which is locked."""
+    while True:
+        try:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        except OSError as error:
+            told = f"the folder {folder} cannot be written to: {error.strerror}"
+            raise type(error)(told) from None
+        try:
+            free = lock(descriptor)
+        except OSError as error:
+            logging.getLogger(__name__).warning(
+                "%s has no locks (%s): start no second run there", folder, error.strerror
+            )
+            return descriptor
+        if free and is_at(descriptor, path):
+            return descriptor
+        os.close(descriptor)
+        if not free:
+            told = "wait for its end, or choose another --output"
+            raise BlockingIOError(f"another run works in {folder}: {told}")
+
+
+def is_at(descriptor: int, path: pathlib.Path) -> bool:
+    """Tell whether an open file is still the one at a path."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except OSError:
+        return False
+
+
+def _leave(path: pathlib.Path, descriptor: int) -> None:
+    """Remove the lock's file before it is free, so that nobody locks a file that vanishes."""
+    if sys.platform != "win32" and is_at(descriptor, path):
+        with contextlib.suppress(OSError):
+            path.unlink()
+    os.close(descriptor)
+    if sys.platform == "win32":  # what is open cannot be removed there, and what others opened
+        with contextlib.suppress(OSError):
+            path.unlink()
