@@ -106,7 +106,12 @@ def test_a_command_of_the_baselines(words, capsys):
     check(main, words, capsys)
 
 
-@pytest.mark.parametrize(("run", "words"), OTHERS, ids=str)
+def name(value):
+    """Return the name of a parameter that is the same in all processes."""
+    return value.__module__ if callable(value) else " ".join(value)
+
+
+@pytest.mark.parametrize(("run", "words"), OTHERS, ids=name)
 def test_another_command(run, words, capsys):
     check(run, words, capsys)
 
