@@ -1,9 +1,10 @@
 """This module checks numbers of a command line: whole, and within what can be meant."""
 
-import numbers
-from typing import Any
+from typing import Annotated, Any
 
 from hav_env.compiled import default_threads
+from hav_env.fields import check_value
+from hav_env.kinds import Range
 
 MOST_ROWS = 10**8  # of a table: a row is a HAV's episode
 MOST_THREADS = 1_024
@@ -22,11 +23,8 @@ def check_whole(name: str, value: Any, least: int, most: int, more: str = "") ->
         TypeError: when it is no whole number.
         ValueError: when it is out of bounds.
     """
-    if not isinstance(value, numbers.Integral) or isinstance(value, bool):
-        raise TypeError(f"{name} is {value!r}, but must be a whole number")
-    if not least <= int(value) <= most:
-        rule = f"at least {least} and at most {most}{more}"
-        raise ValueError(f"{name} is {value}, but must be {rule}")
+    said = f"at least {least} and at most {most}{more}"
+    check_value(name, Annotated[int, Range(least, most, said=said)], value)
 
 
 def check_threads(threads: int | None) -> None:

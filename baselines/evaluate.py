@@ -9,6 +9,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from baselines.statistics import Interval, mean, paired_difference, wilson
+from hav_env.text import visible
 
 
 class Figure(NamedTuple):
@@ -96,7 +97,8 @@ def tabulate_scores(scores: list[list[Score]]) -> pa.Table:
     """
     rows = []
     for one in (one for row in scores for one in row):
-        told = {"policy": one.policy, "figure": one.figure.name, **one.measured._asdict()}
+        names = {"policy": visible(one.policy), "figure": one.figure.name}
+        told = names | one.measured._asdict()
         difference = one.difference or Interval(None, None, None, 0)  # type: ignore[arg-type]
         rows.append(told | {f"difference_{k}": v for k, v in difference._asdict().items()})
     return pa.Table.from_pylist(rows)

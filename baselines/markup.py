@@ -9,7 +9,7 @@ from hav_env.text import visible
 
 _LONGEST = 100  # characters of a name of a file, without its suffix
 # what begins or ends markup; a lone star, underscores within words and intervals in brackets do not
-_MARKUP = re.compile(r"[\\`|<&~]|(?<=\S)\*|\*(?=\S)|(?<!\w)_|_(?!\w)|\](?=[(\[:])")
+_MARKUP = re.compile(r"[\\`|<&~$]|(?<=\S)\*|\*(?=\S)|(?<!\w)_|_(?!\w)|\](?=[(\[:])")
 
 
 def markdown(rows: list[list[str]]) -> str:

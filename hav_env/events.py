@@ -172,15 +172,12 @@ def _record_pair(task, world, agent, other, lane):
         _record_both(world, POTENTIAL, agent, other, lane)
     new_actual = _is_new(first, ACTUAL, agent, other, lane)
     may_touch = new_actual and boxes_overlap(world, agent, other, lane)
-    if may_touch and _collided(task, world, agent, other, lane):
+    between = task.continuous_collisions
+    if may_touch and (
+        (between and collision_between(world, agent, other, lane))
+        or (not between and actual_collision(world, agent, other, lane))
+    ):
         _record_both(world, ACTUAL, agent, other, lane)
-
-
-@kernel
-def _collided(task, world, agent, other, lane):
-    if task.continuous_collisions:
-        return collision_between(world, agent, other, lane)
-    return actual_collision(world, agent, other, lane)
 
 
 @kernel

@@ -228,7 +228,7 @@ def test_no_policy_that_is_taken_acts_by_nan():
     check_network(extreme)
     rows = np.random.default_rng(0).uniform(-1.0, 10.0, (20, policy.sizes[0]))
     assert np.isfinite(forward(extreme, rows)).all()
-    assert not np.isfinite(forward(extreme._replace(weights=signs * 1e300), rows)).all()
+    assert not np.isfinite(forward(extreme._replace(weights=np.sign(signs) * 1e300), rows)).all()
 
 
 def test_the_largest_sizes_do_not_wrap_around():

@@ -9,16 +9,10 @@ import shapely
 from conftest import budget
 
 from baselines.avoid_jack import AvoidJack
+from baselines.feasibility import goals_crossing, shortest_times, starts_touching
 from baselines.reserve import Reserve
 from baselines.rollout import rollout
-from baselines.survey import (
-    SURVEY,
-    goals_crossing,
-    look_at,
-    main,
-    shortest_times,
-    starts_touching,
-)
+from baselines.survey import SURVEY, look_at, main
 from hav_env import RandomFleet, RandomPoses, Task, explicit, find_scenario
 
 # long trucks with short trailers, which the rule of the starts does not keep apart

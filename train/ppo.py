@@ -156,7 +156,7 @@ def make_learner(arguments: Arguments, env: VecNormalize) -> PPO:
     return PPO(
         "MlpPolicy",
         env,
-        learning_rate=_falling(arguments.learning_rate),
+        learning_rate=lambda remaining: arguments.learning_rate * remaining,
         n_steps=arguments.rollout_decisions,
         batch_size=arguments.batch_size,
         n_epochs=arguments.epochs,
@@ -176,10 +176,6 @@ def make_learner(arguments: Arguments, env: VecNormalize) -> PPO:
     )
 
 
-def _falling(rate: float) -> Any:
-    return lambda remaining: rate * remaining
-
-
 class Run:
     """One training: the learner, and all that changes while it learns."""
 
@@ -193,8 +189,7 @@ class Run:
             worlds, gamma=arguments.discount, clip_reward=arguments.reward_limit
         )
         self.learner = make_learner(arguments, self.env)
-        # no two trainings share episodes, but for those of seeds that come round again
-        rows = self.env.num_envs
+        rows = self.env.num_envs  # trainings of other seeds share no episodes
         first = (TRAINING + arguments.seed * rows) % (SEED_LIMIT - rows)
         self.env.seed(first)
         if arguments.begin_with:
@@ -279,8 +274,7 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
 def main(words: list[str] | None = None) -> int:
     """Train; return the exit code. What is wrong is said in one line."""
     logging.basicConfig(format="%(message)s")
-    hint = "--resume FOLDER goes on from the last checkpoint"
-    return report_errors(train, words, hint)
+    return report_errors(train, words, "--resume FOLDER goes on from the last checkpoint")
 
 
 def train(words: list[str]) -> None:
@@ -296,8 +290,8 @@ def train(words: list[str]) -> None:
         run.learn()
         best = arguments.output / "best.policy"
         found = conclude(best, arguments.scenario, arguments.scored_episodes)
-    print(", ".join(f"{name} {value:.4g}" for name, value in found.items()))
-    print(f"policy: {visible(str(best))}")
+    told = ", ".join(f"{name} {value:.4g}" for name, value in found.items())
+    print(f"{told}\npolicy: {visible(str(best))}")
 
 
 if __name__ == "__main__":
