@@ -154,7 +154,9 @@ class _WorldsVectorEnv(VectorEnv):
                     check_seed(own)
             return [None if own is None else int(own) for own in seeds]
         check_seed(seed)
-        check_seed(int(seed) + self.num_envs - 1)  # that of the last world
+        if int(seed) + self.num_envs > SEED_LIMIT:
+            most = f"{SEED_LIMIT - self.num_envs}, for world w takes seed + w"
+            raise ValueError(f"seed is {seed}, but must be at most {most}")
         return [int(seed) + w for w in range(self.num_envs)]
 
     def _set_keys(self, seeds: list[int | None], chosen: np.ndarray) -> None:

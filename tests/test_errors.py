@@ -124,8 +124,8 @@ OPTIONS = [
         {"start": [[np.nan, 0, 0], [50, 0, 0]], "lengths": UNITS},
         "HAV 0 has a pose that is not finite",
     ),
-    ({"episode": -1}, "episode is -1, but must be a whole number from 0"),
-    ({"episode": 1.5}, "episode is 1.5, but must be a whole number from 0"),
+    ({"episode": -1}, "episode is -1, but must be from 0 to 4294967295"),
+    ({"episode": 1.5}, "episode is 1.5, but must be from 0 to 4294967295, a whole"),
 ]
 SINGLES = {k: MAKERS[k] for k in ("parallel", "one by one", "swarm")}
 

@@ -22,8 +22,8 @@ ROUNDING = 1e-9  # [m]
 def episode():
     """Return a trajectory, what its HAVs remember, and the poses (T, N, 3) of their trucks."""
     scenario, task = RandomPoses(num_havs=2, num_goals=1), Task(max_steps=budget(1200, 15))
-    trajectory = record_trajectory(Reserve(), scenario, 2026, 29, task)
-    memories = remember(Reserve(), scenario, 2026, 29, task)
+    trajectory = record_trajectory(Reserve(), scenario, 2026, 25, task)
+    memories = remember(Reserve(), scenario, 2026, 25, task)
     poses = np.stack([trajectory.x, trajectory.y, trajectory.heading[..., 0]], axis=-1)
     return trajectory, memories, poses
 

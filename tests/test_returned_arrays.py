@@ -115,7 +115,7 @@ def test_what_a_caller_does_to_returned_arrays_changes_no_later_step(face):
     env, twin = FACES[face](), FACES[face]()
     for one in (env, twin):
         one.reset(seed=5) if not isinstance(one, Stable) else (one.env.seed(5), one.reset())
-    for _ in range(9):
+    for _ in range(5 if face == "swarm" else 9):  # a vector goes on after the end
         told, expected = env.step(actions_of(env)), twin.step(actions_of(twin))
         for mine, theirs in zip(arrays_in(told), arrays_in(expected), strict=True):
             assert np.array_equal(mine, theirs, equal_nan=True)

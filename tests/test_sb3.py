@@ -297,7 +297,7 @@ def test_worlds_are_drawn():
     ("actions", "message"),
     [
         (np.zeros((3, 2)), r"shape \(3, 2\), but must have \(4, 2\)"),
-        (np.full((4, 2), np.nan), "not finite"),
+        (np.full((4, 2), np.nan), "must be finite"),
     ],
 )
 def test_actions_that_make_no_sense_are_an_error(actions, message):

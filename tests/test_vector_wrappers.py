@@ -69,15 +69,23 @@ MASK = "reset_mask"
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"options": {MASK: [True] * 4}}, TypeError, "reset_mask must be an array of bool"),
-        ({"options": {MASK: np.ones(4)}}, TypeError, "reset_mask must be an array of bool"),
+        (
+            {"options": {MASK: [True] * 4}},
+            TypeError,
+            "reset_mask is .* array of bool",
+        ),
+        (
+            {"options": {MASK: np.ones(4)}},
+            TypeError,
+            "reset_mask is .* array of bool",
+        ),
         ({"options": {MASK: np.ones(3, bool)}}, ValueError, r"\(3,\), but must have \(4,\)"),
         ({"options": {MASK: np.zeros(4, bool)}}, ValueError, "true for at least one world"),
         ({"seed": [1, 2]}, ValueError, "2 seeds were given for 4 worlds"),
         ({"seed": [1, 2, 3, -4]}, ValueError, "seed is -4"),
-        ({"seed": -1}, gym.error.Error, "Seed must be .* zero, actual value: -1"),  # Gymnasium's
-        ({"seed": 2**32 - 2}, ValueError, f"seed is {2**32}"),
-        ({"seed": [1, 2, 3, "four"]}, ValueError, "seed is four"),
+        ({"seed": -1}, ValueError, "seed is -1, but must be from 0"),
+        ({"seed": 2**32 - 2}, ValueError, f"seed is {2**32 - 2}, but must be at most"),
+        ({"seed": [1, 2, 3, "four"]}, TypeError, "seed is four"),
     ],
 )
 def test_a_reset_that_makes_no_sense_is_an_error_and_changes_nothing(arguments, error, message):
@@ -95,8 +103,8 @@ def test_a_reset_that_makes_no_sense_is_an_error_and_changes_nothing(arguments, 
     [
         (np.zeros((4, 2)), r"shape \(4, 2\), but must have \(4, 2, 2\)"),
         (np.zeros((3, 2, 2)), r"shape \(3, 2, 2\)"),
-        (np.full((4, 2, 2), np.nan), "not finite"),
-        (np.full((4, 2, 2), np.inf), "not finite"),
+        (np.full((4, 2, 2), np.nan), "must be finite"),
+        (np.full((4, 2, 2), np.inf), "must be finite"),
     ],
 )
 def test_actions_that_make_no_sense_are_an_error(actions, message):
@@ -125,7 +133,8 @@ def test_a_mode_that_a_vector_cannot_show_is_an_error(mode):
 
 def test_worlds_are_drawn_side_by_side():
     env = made(render_mode="rgb_array")
-    assert env.render() is None  # before the first episode there is nothing to be seen
+    with pytest.raises(RuntimeError, match="call reset before render"):
+        env.render()
     env.reset(seed=0)
     frames = env.render()
     assert len(frames) == 4

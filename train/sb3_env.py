@@ -144,7 +144,9 @@ class HAVVecEnv(VecEnv):
         if seed is None:
             seed = int(np.random.default_rng().integers(SEED_LIMIT - self.num_envs))
         check_seed(seed)
-        check_seed(int(seed) + self.num_envs - 1)
+        if int(seed) + self.num_envs > SEED_LIMIT:
+            most = f"{SEED_LIMIT - self.num_envs}, for row k takes seed + k"
+            raise ValueError(f"seed is {seed}, but must be at most {most}")
         self._seeds = [int(seed) + row for row in range(self.num_envs)]
         return self._seeds
 
