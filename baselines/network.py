@@ -18,7 +18,7 @@ from hav_env.observation import (
     plan_route,
     settle,
 )
-from hav_env.quantities import AboveZero, Skipped, Trailers
+from hav_env.quantities import Skipped, Trailers
 from hav_env.sensing import episode_key, limits
 
 MOST_LAYERS, MOST_UNITS, MOST_WEIGHTS = 32, 8_192, 1 << 22
@@ -41,7 +41,7 @@ class Network(NamedTuple):
     """(D,) float64."""
     scale: np.ndarray
     """(D,) float64."""
-    limit: AboveZero
+    limit: float
     frame_skip: Skipped
     """For how many steps an action is held; new ones are taken at its multiples."""
     observation: Observation
