@@ -17,20 +17,16 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from baselines.calibrate import calibrate
-from baselines.engines import open_engine
-from baselines.evaluate import compare, read_columns
-from baselines.files import write_text
-from baselines.locks import sole_user
-from baselines.markup import file_names, markdown
-from baselines.options import asks_for_help, read_options, take_option, take_words
-from baselines.progress import Progress
-from baselines.registry import KNOWN, find_policy
-from baselines.reproduce import PAPER_EXPERIMENTS, reproduce
-from baselines.results import Experiments, check_experiments, run_experiments
-from baselines.trajectories import record_trajectory
-from baselines.trajectory_files import load_trajectory, save_trajectory
-from baselines.watch import (
+from baselines.cli.markup import file_names, markdown
+from baselines.cli.options import asks_for_help, read_options, take_option, take_words
+from baselines.cli.progress import Progress
+from baselines.evaluation.executors import open_engine
+from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
+from baselines.experiments.calibrate import calibrate
+from baselines.experiments.reproduce import PAPER_EXPERIMENTS, reproduce
+from baselines.replay.trajectory import record_trajectory
+from baselines.replay.trajectory_files import load_trajectory, save_trajectory
+from baselines.replay.watch import (
     check_display,
     check_episode,
     check_output,
@@ -38,9 +34,13 @@ from baselines.watch import (
     name_with_changes,
     show,
 )
+from baselines.storage.atomic_files import write_text
+from baselines.storage.locks import sole_user
 from hav_env import Explicit, OnAxle, Task, find_scenario
-from hav_env.command_line import report_errors
-from hav_env.text import visible
+from hav_env.cli.options import report_errors
+from hav_env.evaluation.comparison import compare, read_columns
+from hav_env.models.text import visible
+from hav_env.policies.names import POLICIES
 
 _COMMANDS = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
@@ -138,7 +138,7 @@ def _dispatch(arguments: list[str]) -> None:
 
 def _reproduce(arguments: list[str]) -> None:
     name, arguments = take_option(arguments, "--policy", "avoid_jack")
-    make = find_policy(name)
+    make = POLICIES.find(name)
     options = _parse(
         "reproduce",
         arguments,
@@ -150,7 +150,7 @@ def _reproduce(arguments: list[str]) -> None:
         _Run(pathlib.Path("results/reproduce")),
     )
     rows = reproduce(
-        getattr(options, "policy", None) or make(),
+        getattr(options, "policy", None) or POLICIES.make(make),
         options.experiments,
         options.seed,
         options.output,
@@ -165,10 +165,10 @@ def _reproduce(arguments: list[str]) -> None:
 def _evaluate(arguments: list[str]) -> None:
     names, arguments = take_words(arguments)
     if not names and not asks_for_help(arguments):
-        raise ValueError(f"name the policies to evaluate: {KNOWN}")
+        raise ValueError(f"name the policies to evaluate: {POLICIES.known()}")
     scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
     scenario = find_scenario(scenario_name)
-    makers = [find_policy(name) for name in names]
+    makers = [POLICIES.find(name) for name in names]
     drawn = not isinstance(scenario, Explicit)  # otherwise all episodes of a policy are the same
     fields: list[tuple] = [
         ("episodes", int, 1_000 if drawn else 1, "Episodes 0 .. of the seed."),
@@ -176,7 +176,7 @@ def _evaluate(arguments: list[str]) -> None:
     ]
     options = _parse("evaluate", arguments, fields, _Evaluate())
     scenario = getattr(options, "scenario", scenario)
-    policies = [getattr(options, "policy", None) or make() for make in makers]
+    policies = [getattr(options, "policy", None) or POLICIES.make(make) for make in makers]
     shared = scenario, options.episodes, options.seed, options.task, options.vehicle
     jobs = [Experiments(policy, *shared) for policy in policies]
     for job in jobs:
@@ -216,7 +216,7 @@ def _calibrate(arguments: list[str]) -> None:
 def _watch(arguments: list[str]) -> None:
     words, arguments = take_words(arguments)
     if len(words) != 1 and not asks_for_help(arguments):
-        raise ValueError(f"name what to watch: {KNOWN} or a RUN.npz")
+        raise ValueError(f"name what to watch: {POLICIES.known()} or a RUN.npz")
     if words and words[0].endswith(".npz"):
         options = _parse("watch", arguments, [], _Display())
         check_pace(options.speed, options.fps)
@@ -226,9 +226,9 @@ def _watch(arguments: list[str]) -> None:
         return
     scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
     named = find_scenario(scenario_name)
-    makers = [find_policy(name) for name in words]
+    makers = [POLICIES.find(name) for name in words]
     options = _parse("watch", arguments, _model_fields(makers, named), _Watch())
-    usual = makers[0]()
+    usual = POLICIES.make(makers[0])
     policy = getattr(options, "policy", usual)
     scenario = getattr(options, "scenario", named)
     shown = options.output is not None or options.record is None

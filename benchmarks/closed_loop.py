@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pyarrow.compute as pc
 
-from baselines.avoid_jack import AvoidJack
-from baselines.pursuit import DubinsPursuit
-from baselines.rollout import rollout
+from baselines.policies.avoid_jack import AvoidJack
+from baselines.policies.dubins_pursuit import DubinsPursuit
 from benchmarks.five_trailers import POLICY, SCENARIO, VEHICLE
 from hav_env import Batch, OnAxle, RandomPoses, Task
+from hav_env.evaluation.rollout import rollout
 
 FIVE_TRAILERS = "the yardsticks' HAV"
 NO_POLICY = "single HAV, no policy"

@@ -64,7 +64,7 @@ def prepare_vector_row(row: Vector) -> Run:
     """Return what measures a vector environment."""
     rules = {} if row.max_steps is None else {"max_steps": row.max_steps}
     if row.name == SB3:
-        from train.sb3_env import HAVVecEnv  # noqa: PLC0415  (optional)
+        from hav_env.envs.stable_baselines3 import HAVVecEnv  # noqa: PLC0415  (optional)
 
         return prepare_rows(HAVVecEnv(row.num_worlds, threads=row.threads, **rules))
     env = gym.make_vec(f"hav_env:{row.name}", num_envs=row.num_worlds, threads=row.threads, **rules)

@@ -6,7 +6,7 @@ Values are pinned here, so that the work stays the same when the project's defau
 import math
 from typing import NamedTuple
 
-from baselines.avoid_jack import AvoidJack, safe_speed
+from baselines.policies.avoid_jack import AvoidJack, safe_speed
 from hav_env import OnAxle, Task, explicit
 
 TASK, POLICY = Task(), AvoidJack(close_factor=1.0)

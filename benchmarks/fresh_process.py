@@ -68,9 +68,9 @@ def _main(num_experiments: int) -> None:
 
     import numpy as np  # noqa: PLC0415  (here, so that the parent's import stays free of it)
 
-    from baselines.avoid_jack import AvoidJack  # noqa: PLC0415
-    from baselines.rollout import rollout  # noqa: PLC0415
+    from baselines.policies.avoid_jack import AvoidJack  # noqa: PLC0415
     from hav_env import RandomPoses  # noqa: PLC0415
+    from hav_env.evaluation.rollout import rollout  # noqa: PLC0415
 
     for first in range(0, num_experiments, _SLICE):
         episodes = np.arange(first, min(first + _SLICE, num_experiments))

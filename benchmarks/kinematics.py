@@ -6,8 +6,8 @@ import numpy as np
 
 from hav_env import Batch, OnAxle, RandomFleet, RandomPoses
 from hav_env.compiled import entry
-from hav_env.lanes import LANES
 from hav_env.vehicles import move
+from hav_env.world.lanes import LANES
 
 _DT = 0.2  # [s]
 _BLOCKS = 16  # of worlds, sorted by trailers, one after the other as in a rollout

@@ -20,7 +20,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from baselines.avoid_jack import AvoidJack
+from baselines.policies.avoid_jack import AvoidJack
 from benchmarks.five_trailers import (
     GOALS,
     LENGTHS,

@@ -11,10 +11,10 @@ import numpy as np
 import tyro
 from rich.console import Console
 
-from baselines.registry import find_policy
-from baselines.rollout import rollout
 from benchmarks.tables import new_table
 from hav_env import Task, find_scenario
+from hav_env.evaluation.rollout import rollout
+from hav_env.policies.names import make_policy
 
 
 class Workload(NamedTuple):
@@ -41,9 +41,7 @@ def cost(policy: str, work: Workload, share: float) -> tuple[float, float]:
     episodes = np.arange(max(1, round(share * work.episodes)))
     task = Task(max_steps=max(10, round(min(1.0, share * 10) * work.max_steps)))
     begin = time.process_time()
-    table = rollout(
-        find_policy(policy)(), find_scenario(work.scenario), 5, episodes, task, threads=1
-    )
+    table = rollout(make_policy(policy), find_scenario(work.scenario), 5, episodes, task, threads=1)
     spent = 1e9 * (time.process_time() - begin)
     return spent / table["steps"].to_numpy().sum(), spent / table["moving_steps"].to_numpy().sum()
 

@@ -24,9 +24,9 @@ import tyro
 from torch import nn
 from torch.distributions import Normal
 
-from baselines.policy_files import save_policy
+from baselines.policies.files import save_policy
 from hav_env import Reward
-from hav_env.decision_process import DecisionProcess
+from hav_env.mdp.decision_process import DecisionProcess
 from train.export import network_of
 
 

@@ -20,9 +20,9 @@ from torchrl.envs.libs.pettingzoo import PettingZooWrapper
 from torchrl.modules import IndependentNormal, ProbabilisticActor
 from torchrl.objectives import ClipPPOLoss, ValueEstimators
 
-from baselines.policy_files import save_policy
+from baselines.policies.files import save_policy
 from hav_env import parallel_env
-from hav_env.decision_process import DecisionProcess
+from hav_env.mdp.decision_process import DecisionProcess
 from train.export import network_of
 
 SEEN, MEAN, DEVIATION = ("hav", "observation"), ("hav", "loc"), ("hav", "scale")

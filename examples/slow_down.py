@@ -5,9 +5,9 @@ Run from this folder: python -m baselines evaluate avoid_jack slow_down:SlowDown
 
 from typing import NamedTuple
 
-from baselines.policy import act
-from baselines.pursuit import goal_attraction
-from hav_env import sensing
+from baselines.policies.dubins_pursuit import goal_attraction
+from hav_env.policies.interface import act
+from hav_env.world import sensing
 
 
 class SlowDown(NamedTuple):

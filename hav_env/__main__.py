@@ -28,8 +28,8 @@ def _dispatch(arguments: list[str]) -> int:
     if command != "play":
         raise ValueError(f"unknown command {command!r}; known: {', '.join(_COMMANDS)}")
     # only what is run is imported: tyro and the simulator take their time
-    from hav_env.command_line import parse_options  # noqa: PLC0415
-    from hav_env.play import Play, play  # noqa: PLC0415
+    from hav_env.cli.options import parse_options  # noqa: PLC0415
+    from hav_env.cli.play import Play, play  # noqa: PLC0415
 
     play(parse_options(Play, "python -m hav_env play", _COMMANDS["play"], rest))
     return 0

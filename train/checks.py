@@ -2,9 +2,10 @@
 
 from typing import Annotated, Any
 
-from hav_env.fields import check_fields
-from hav_env.kinds import Range
-from hav_env.quantities import (
+from hav_env.maths.random_numbers import Seed
+from hav_env.models.annotations import Range
+from hav_env.models.checks import check_fields
+from hav_env.models.quantities import (
     ABOVE_ZERO,
     AboveZero,
     Factor,
@@ -14,7 +15,6 @@ from hav_env.quantities import (
     Threads,
     Worlds,
 )
-from hav_env.randomness import Seed
 
 Decisions = Annotated[int, Range(1, 10**12)]
 # of a single number there is no deviation, by which advantages are divided

@@ -12,21 +12,22 @@ from typing import Any
 
 import pyarrow as pa
 
-from baselines.bounds import check_whole
-from baselines.evaluate import compare, read_columns, score, tabulate_scores
-from baselines.files import write_text
-from baselines.locks import sole_user
-from baselines.markup import file_names, markdown
-from baselines.parts import write_table
-from baselines.policy_files import load_trained
-from baselines.progress import Progress
-from baselines.registry import find_policy, policy_file
-from baselines.reproduce import PAPER_EXPERIMENTS
-from baselines.results import Experiments, check_experiments, run_experiments
-from baselines.trajectories import record_trajectory
+from baselines.cli.bounds import check_whole
+from baselines.cli.markup import file_names, markdown
+from baselines.cli.progress import Progress
+from baselines.evaluation.run_parts import write_table
+from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
+from baselines.experiments.reproduce import PAPER_EXPERIMENTS
+from baselines.policies.files import load_trained
+from baselines.policies.shipped import policy_file
+from baselines.replay.trajectory import record_trajectory
+from baselines.storage.atomic_files import write_text
+from baselines.storage.locks import sole_user
 from hav_env import find_scenario
-from hav_env.command_line import run_command
-from hav_env.randomness import SEED_LIMIT
+from hav_env.cli.options import run_command
+from hav_env.evaluation.comparison import compare, read_columns, score, tabulate_scores
+from hav_env.maths.random_numbers import SEED_LIMIT
+from hav_env.policies.names import make_policy
 
 SCRIPTED = ("avoid_jack", "dubins_pursuit", "random")
 
@@ -69,7 +70,7 @@ def compare_all(options: Options) -> str:
     check_whole("shown", options.shown, 0, SEED_LIMIT - 1)
     groups = {"paper-single": options.single, "paper-pair": options.pair}
     policies = {
-        scenario: {name: find_policy(name)() for name in names}
+        scenario: {name: make_policy(name) for name in names}
         for scenario, names in groups.items()
         if names
     }
@@ -104,8 +105,8 @@ def _report(
 ) -> list[str]:
     """Write the table and the drawings of a scenario; return what to say of it."""
     # matplotlib is an extra, and what is missing is to be said before hours of work
-    from baselines.drawings import save_figure  # noqa: PLC0415
-    from train.comparison import draw_bars, draw_curves, draw_side_by_side  # noqa: PLC0415
+    from baselines.figures.trajectory_plot import save_figure  # noqa: PLC0415
+    from train.comparison_plots import draw_bars, draw_curves, draw_side_by_side  # noqa: PLC0415
 
     names, folder = list(policies), options.output
     scores = score(names, tables)

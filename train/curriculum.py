@@ -3,8 +3,8 @@
 from typing import Any, NamedTuple
 
 from hav_env import Reward
-from hav_env.fields import check_relations, check_value
-from hav_env.quantities import Share
+from hav_env.models.checks import check_relations, check_value
+from hav_env.models.quantities import Share
 
 
 class Curriculum(NamedTuple):

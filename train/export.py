@@ -3,8 +3,8 @@
 import numpy as np
 import torch
 
-from baselines.network import Network, pack_layers
-from hav_env.decision_process import DecisionProcess
+from baselines.policies.network import Network, pack_layers
+from hav_env.mdp.decision_process import DecisionProcess
 
 
 def network_of(

@@ -1,7 +1,7 @@
 """Proximal policy optimization with one policy for all HAVs: ``python -m train.ppo --preset pair``.
 
 Read from top to bottom: the arguments, the presets, the worlds, the learner, a run of it, the
-command line. What happens between iterations is in train/between.py. The folder of a run holds
+command line. What happens between iterations is in train/sb3/callback.py. The folder of a run holds
 
 * ``run.json``: arguments, versions, git revision;
 * ``best.policy``: the policy that did best on the held-out episodes, ``last.policy``: the latest;
@@ -22,25 +22,25 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 from stable_baselines3.common.vec_env import VecNormalize
 
-from baselines.locks import sole_user
-from baselines.network import Network
-from baselines.options import take_option
-from baselines.policy_files import save_policy
-from baselines.registry import find_trained
+from baselines.cli.options import take_option
+from baselines.policies.files import save_policy
+from baselines.policies.network import Network
+from baselines.policies.shipped import find_trained
+from baselines.storage.locks import sole_user
 from hav_env import Observation, Reward
-from hav_env.command_line import parse_options, report_errors
-from hav_env.randomness import SEED_LIMIT
-from hav_env.text import visible
+from hav_env.cli.options import parse_options, report_errors
+from hav_env.envs.stable_baselines3 import HAVVecEnv
+from hav_env.maths.random_numbers import SEED_LIMIT
+from hav_env.models.text import visible
 from train import checks
-from train.between import Between
-from train.checkpoints import read_checkpoint, write_checkpoint
 from train.curriculum import Curriculum
-from train.exercise import CURRICULUM, OBSERVATION, REWARD, settings_of
 from train.export import network_of
 from train.runs import about_of, begin_run, plain, read_run, restore, versions
-from train.sb3_env import HAVVecEnv
+from train.sb3.callback import Between
+from train.sb3.checkpoints import read_checkpoint, write_checkpoint
+from train.sb3.warm_start import start_from
 from train.scores import TRAINING, conclude
-from train.warm_start import start_from
+from train.training_task import CURRICULUM, OBSERVATION, REWARD, settings_of
 
 CHECKPOINT = "checkpoint.pt"
 

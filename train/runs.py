@@ -9,10 +9,10 @@ import subprocess
 from typing import Any, TypeVar
 
 import hav_env
-from baselines.files import read_object, write_text
-from baselines.locks import LOCK
-from baselines.policy_files import load_trained
-from baselines.registry import policy_file
+from baselines.policies.files import load_trained
+from baselines.policies.shipped import policy_file
+from baselines.storage.atomic_files import read_object, write_text
+from baselines.storage.locks import LOCK
 
 DESCRIPTION = "run.json"
 Arguments = TypeVar("Arguments")

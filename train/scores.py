@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from baselines.evaluate import figures_of, measure
-from baselines.network import Network
-from baselines.policy_files import load_trained, save_policy
-from baselines.rollout import rollout
+from baselines.policies.files import load_trained, save_policy
+from baselines.policies.network import Network
+from hav_env.evaluation.comparison import figures_of, measure
+from hav_env.evaluation.rollout import rollout
 from hav_env.scenarios.presets import scenario_of
 
 # seeds of episodes: those that the best policy is scored on at the end, those that it is chosen by,

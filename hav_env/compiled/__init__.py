@@ -5,10 +5,10 @@ over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of
 ``entry`` is what Python calls: it alone is cached on disk, its worlds are spread over threads.
 """
 
+from hav_env.compiled.digests import source_digest, source_of
 from hav_env.compiled.entries import canonical, entry
 from hav_env.compiled.instructions import bits_of, contiguous, fixed, float_of, fma, lanes_from
 from hav_env.compiled.kernels import generic, kernel, rare_kernel
-from hav_env.compiled.sources import source_digest, source_of
 from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
 
 __all__ = [

@@ -10,12 +10,12 @@ from typing import Any
 
 import numba
 
-from hav_env.compiled.homes import find_home
-from hav_env.compiled.kept_code import KeptCode
+from hav_env.compiled.cache_folder import find_home
+from hav_env.compiled.digests import note_sources, source_digest, sources
+from hav_env.compiled.disk_cache import KeptCode
 from hav_env.compiled.kernels import ENTERED
-from hav_env.compiled.sources import note_sources, source_digest, sources
 from hav_env.compiled.threads import default_threads, share_out
-from hav_env.kinds import kinds_of, split_range
+from hav_env.models.annotations import kinds_of, split_range
 
 _log = logging.getLogger(__name__)
 _SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more

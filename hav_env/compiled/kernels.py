@@ -6,8 +6,8 @@ from typing import Any
 
 from numba.extending import overload
 
-from hav_env.compiled.parts import Part, RarePart, Whole, compiler_into
-from hav_env.compiled.sources import note_sources
+from hav_env.compiled.compiler import Part, RarePart, Whole, compiler_into
+from hav_env.compiled.digests import note_sources
 
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
 # most of the time.

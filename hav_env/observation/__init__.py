@@ -5,7 +5,6 @@ docs/environments.md has the table of the columns.
 """
 
 from hav_env.compiled import kernel
-from hav_env.observation.itself import observe_itself
 from hav_env.observation.layout import (
     Observation,
     bounds_of,
@@ -14,6 +13,7 @@ from hav_env.observation.layout import (
     settle,
 )
 from hav_env.observation.neighbors import observe_neighbors
+from hav_env.observation.own import observe_itself
 from hav_env.observation.route import (
     LENGTH,
     ROUTE_SIZE,

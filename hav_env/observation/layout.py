@@ -4,10 +4,10 @@ import math
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
-from hav_env.elementary import log
-from hav_env.fields import check_value
-from hav_env.geometry import clip
-from hav_env.quantities import Neighbors
+from hav_env.maths.elementary import log
+from hav_env.maths.geometry import clip
+from hav_env.models.checks import check_value
+from hav_env.models.quantities import Neighbors
 
 LENGTH_UNIT, MOST_UNITS = 10.0, 10.0  # of the lengths of units [m]; where they are cut
 FARTHEST = 1e4  # [m], where distances are cut

@@ -3,7 +3,7 @@
 import math
 
 from hav_env.compiled import fixed, kernel
-from hav_env.geometry import clip
+from hav_env.maths.geometry import clip
 from hav_env.observation.layout import (
     CHAIN,
     CLEARANCE,
@@ -23,7 +23,7 @@ from hav_env.observation.layout import (
     write_direction,
     write_place,
 )
-from hav_env.sensing import (
+from hav_env.world.sensing import (
     neighbor_articulation,
     neighbor_before_front,
     neighbor_distance,

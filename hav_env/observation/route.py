@@ -1,10 +1,10 @@
 """The Dubins paths that lie ahead of a HAV."""
 
 from hav_env.compiled import fixed, kernel
-from hav_env.dubins import shortest_path_towards, turns
-from hav_env.elementary import atan2_positive
+from hav_env.maths.dubins import shortest_path_towards, turns
+from hav_env.maths.elementary import atan2_positive
 from hav_env.observation.layout import PATHS, scale_distance
-from hav_env.sensing import (
+from hav_env.world.sensing import (
     drivable_radius,
     goal_direction,
     goal_pose,

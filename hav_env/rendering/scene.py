@@ -1,13 +1,13 @@
 """What there is to see of one world at one moment, apart from the simulator and from any drawing.
 
-Shapes as in ``hav_env.world``: N HAVs, U units of a HAV.
+Shapes as in ``hav_env.world.arrays``: N HAVs, U units of a HAV.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from hav_env.world import (
+from hav_env.world.arrays import (
     ACTUAL,
     ARTICULATION,
     FOOTPRINT,

@@ -6,8 +6,8 @@ HAVs are drawn, it has a ``fleet``, which says how.
 """
 
 from hav_env.compiled import generic
-from hav_env.fields import check_model, check_value
-from hav_env.quantities import Articulation, Goals, Havs, Trailers
+from hav_env.models.checks import check_model, check_value
+from hav_env.models.quantities import Articulation, Goals, Havs, Trailers
 from hav_env.scenarios.column import Column, populate_column
 from hav_env.scenarios.crossing import Crossing, populate_crossing
 from hav_env.scenarios.explicit import Explicit, explicit, populate_explicit

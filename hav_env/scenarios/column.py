@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-from hav_env.collision import reach
-from hav_env.quantities import Gap, Goals, Havs
+from hav_env.models.quantities import Gap, Goals, Havs
 from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
-from hav_env.world import FOOTPRINT, HEADING, X, Y, put_straight
+from hav_env.world.arrays import FOOTPRINT, HEADING, X, Y, put_straight
+from hav_env.world.collision import reach
 
 
 class Column(NamedTuple):

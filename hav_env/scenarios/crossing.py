@@ -3,12 +3,12 @@
 import math
 from typing import NamedTuple
 
-from hav_env.collision import collision_distance
 from hav_env.compiled import kernel
-from hav_env.elementary import sincos
-from hav_env.quantities import Gap, Goals, Havs
+from hav_env.maths.elementary import sincos
+from hav_env.models.quantities import Gap, Goals, Havs
 from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
-from hav_env.world import HEADING, X, Y, put_straight
+from hav_env.world.arrays import HEADING, X, Y, put_straight
+from hav_env.world.collision import collision_distance
 
 
 class Crossing(NamedTuple):

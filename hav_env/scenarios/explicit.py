@@ -7,9 +7,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from hav_env.compiled import canonical
-from hav_env.fields import check_fields, check_relations, check_value
-from hav_env.kinds import Range, kinds_of, show
-from hav_env.quantities import Articulation, Goals, Havs, Share, Speed, Steering, Trailers
+from hav_env.models.annotations import Range, kinds_of, show
+from hav_env.models.checks import check_fields, check_relations, check_value
+from hav_env.models.quantities import Articulation, Goals, Havs, Share, Speed, Steering, Trailers
 from hav_env.scenarios.written import (
     check_apart,
     check_lengths,
@@ -17,7 +17,7 @@ from hav_env.scenarios.written import (
     check_shapes,
     read_numbers,
 )
-from hav_env.world import derive_radii, put_straight, set_limits
+from hav_env.world.arrays import derive_radii, put_straight, set_limits
 
 # its numbers are checked HAV by HAV, below
 Numbers = Annotated[np.ndarray, Range(-math.inf, math.inf)]

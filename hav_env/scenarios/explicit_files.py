@@ -4,7 +4,7 @@ import json
 import os
 from typing import Any
 
-from hav_env.kinds import show
+from hav_env.models.annotations import show
 from hav_env.scenarios.explicit import Explicit, explicit
 
 _MOST_BYTES = 2**26  # a swarm of 10,000 HAVs with 100 goals each

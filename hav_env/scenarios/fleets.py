@@ -4,8 +4,9 @@ import math
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
-from hav_env.fields import check_relations, require
-from hav_env.quantities import (
+from hav_env.maths.random_numbers import normal, uniform
+from hav_env.models.checks import check_relations, require
+from hav_env.models.quantities import (
     Articulation,
     Length,
     Offset,
@@ -15,8 +16,7 @@ from hav_env.quantities import (
     Steering,
     Trailers,
 )
-from hav_env.randomness import normal, uniform
-from hav_env.world import EPISODE, SEED, derive_radii, set_limits
+from hav_env.world.arrays import EPISODE, SEED, derive_radii, set_limits
 
 _STREAM = 0  # of the episode's random numbers; policies use others
 _MOST_DRAWS = 10_000  # of one length or count, before the limits are held to be unreachable

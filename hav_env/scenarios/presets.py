@@ -14,12 +14,11 @@ The fleets are the paper's throughout; everything else is in the docstrings of t
 """
 
 import os
-import pathlib
 from typing import Any
 
-from hav_env.fields import check_value
-from hav_env.kinds import show
-from hav_env.quantities import Havs
+from hav_env.models.checks import check_value
+from hav_env.models.names import Registry
+from hav_env.models.quantities import Havs
 from hav_env.scenarios import (
     Column,
     Crossing,
@@ -28,6 +27,7 @@ from hav_env.scenarios import (
     Yard,
     check_scenario,
     load_explicit,
+    populate,
 )
 
 SCENARIOS: dict[str, Any] = {
@@ -43,34 +43,28 @@ SCENARIOS: dict[str, Any] = {
 }
 
 
+REGISTRY = Registry(
+    "scenario",
+    "hav_env.scenarios",
+    populate.table.__contains__,
+    "register it with populate.register",
+    SCENARIOS,
+    {".json": load_explicit},
+)
+
+
 def find_scenario(name: str | os.PathLike[str]) -> Any:
-    """Return a scenario: one of ``SCENARIOS``, or the one in a JSON file.
+    """Return a scenario by its name; one of a class has that class's defaults.
 
     Args:
-        name: of either; a path is always one of a file.
+        name: one of ``SCENARIOS`` or of another package, ``module:Class`` of your own, or the path
+            of a JSON file. A ``PathLike`` is always a file.
 
     Raises:
-        TypeError: when this is neither a name nor a path.
+        TypeError: when this is neither a name nor a path, or the class has no defaults.
         ValueError: when there is no such scenario or the file is broken.
     """
-    if not isinstance(name, str | os.PathLike):
-        raise TypeError(f"scenario is {show(name)}, but must be a name or the path of a file")
-    if isinstance(name, str):
-        if name in SCENARIOS:
-            return SCENARIOS[name]
-        if not name.lower().endswith(".json"):
-            known = f"{', '.join(SCENARIOS)}, FILE.json"
-            raise ValueError(f"unknown scenario {show(name)}; known: {known}")
-    if not _is_file(name):
-        raise ValueError(f"there is no scenario file {show(name, str)}")
-    return load_explicit(name)
-
-
-def _is_file(path: str | os.PathLike[str]) -> bool:
-    try:
-        return pathlib.Path(path).is_file()
-    except OSError:  # a name that is too long
-        return False
+    return REGISTRY.make(name if isinstance(name, str | os.PathLike) else REGISTRY.find(name))
 
 
 def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:

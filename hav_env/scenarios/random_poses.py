@@ -3,12 +3,12 @@
 import math
 from typing import NamedTuple
 
-from hav_env.collision import collision_distance
 from hav_env.compiled import kernel
-from hav_env.quantities import AreaFactor, Attempts, Goals, Havs, WorldAttempts
-from hav_env.randomness import uniform
+from hav_env.maths.random_numbers import uniform
+from hav_env.models.quantities import AreaFactor, Attempts, Goals, Havs, WorldAttempts
 from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
-from hav_env.world import FOOTPRINT, put_straight
+from hav_env.world.arrays import FOOTPRINT, put_straight
+from hav_env.world.collision import collision_distance
 
 
 class RandomPoses(NamedTuple):

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from hav_env.kinds import is_number, show, split_range, with_article
-from hav_env.quantities import Coordinate, Heading, Length
+from hav_env.models.annotations import is_number, show, split_range, with_article
+from hav_env.models.quantities import Coordinate, Heading, Length
 
 _PARTS = {"x": Coordinate, "y": Coordinate, "heading": Heading}
 

@@ -4,10 +4,10 @@ import math
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
-from hav_env.quantities import Gap, Goals, Havs
-from hav_env.randomness import uniform
+from hav_env.maths.random_numbers import uniform
+from hav_env.models.quantities import Gap, Goals, Havs
 from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
-from hav_env.world import FOOTPRINT, HEADING, X, Y, put_straight
+from hav_env.world.arrays import FOOTPRINT, HEADING, X, Y, put_straight
 
 _AHEAD = math.pi / 2  # out of the start bays, across the aisle, into the goal bays
 

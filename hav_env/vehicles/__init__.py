@@ -1,7 +1,8 @@
 """How a truck and its trailers move: one file for each model, chosen by its type."""
 
 from hav_env.compiled import generic
-from hav_env.fields import check_model
+from hav_env.models.checks import check_model
+from hav_env.models.names import Registry
 from hav_env.vehicles.on_axle import OnAxle, move_on_axle
 
 
@@ -27,4 +28,12 @@ def check_vehicle(vehicle) -> None:
 
 move.register(OnAxle)(move_on_axle)
 
-__all__ = ["OnAxle", "check_vehicle", "move"]
+VEHICLES = Registry(
+    "vehicle",
+    "hav_env.vehicles",
+    move.table.__contains__,
+    "register it with move.register",
+    {"on_axle": OnAxle},
+)
+
+__all__ = ["VEHICLES", "OnAxle", "check_vehicle", "move"]

@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
-from hav_env.elementary import sincos
-from hav_env.geometry import into_frame
-from hav_env.quantities import Substeps
-from hav_env.world import AHEAD_COSINE, AHEAD_SINE, AHEAD_SPEED, turn_unit
+from hav_env.maths.elementary import sincos
+from hav_env.maths.geometry import into_frame
+from hav_env.models.quantities import Substeps
+from hav_env.world.arrays import AHEAD_COSINE, AHEAD_SINE, AHEAD_SPEED, turn_unit
 
 
 class OnAxle(NamedTuple):

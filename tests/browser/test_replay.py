@@ -6,7 +6,6 @@ import time
 
 import numpy as np
 import pytest
-from conftest import budget
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
@@ -14,11 +13,12 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
-from baselines.avoid_jack import AvoidJack
-from baselines.pursuit import DubinsPursuit
-from baselines.replay import write_replay
-from baselines.trajectories import Trajectory, record_trajectory
+from baselines.policies.avoid_jack import AvoidJack
+from baselines.policies.dubins_pursuit import DubinsPursuit
+from baselines.replay.trajectory import Trajectory, record_trajectory
+from baselines.replay.web_page import write_replay
 from hav_env import RandomPoses, Task
+from tests.support.budgets import budget
 
 SINGLE, PAIR, SWARM = (RandomPoses(num_havs=count) for count in (1, 2, 50))
 OPTIONS = (
@@ -341,6 +341,6 @@ def test_an_episode_of_one_step_can_be_shown(page):
 
 
 def test_the_page_is_one_file_that_asks_for_nothing():
-    text = (pathlib.Path(write_replay.__code__.co_filename).parent / "replay.html").read_text()
+    text = (pathlib.Path(write_replay.__code__.co_filename).parent / "web_page.html").read_text()
     for part in ("http:", "https:", "import ", "fetch(", "@import", "url(", "src="):
         assert part not in text, part

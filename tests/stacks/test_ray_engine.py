@@ -1,25 +1,25 @@
 """Evaluation on a Ray cluster: the same bytes, resumed, with policies from anywhere."""
 
 import os
-import pathlib
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from ray_here import ray_here
 
-from baselines import engines, results
 from baselines.__main__ import main
-from baselines.avoid_jack import AvoidJack
-from baselines.engines import open_engine, run_on_cluster
-from baselines.network import Network, pack_layers
-from baselines.policy_files import save_policy
-from baselines.results import Experiments, run_experiments
+from baselines.evaluation import executors as engines
+from baselines.evaluation import runs as results
+from baselines.evaluation.executors import open_engine, run_on_cluster
+from baselines.evaluation.runs import Experiments, run_experiments
+from baselines.policies.avoid_jack import AvoidJack
+from baselines.policies.files import save_policy
+from baselines.policies.network import Network, pack_layers
 from hav_env import Observation, RandomPoses, Task
 from hav_env.observation import name_columns, settle
+from tests.stacks.ray_here import ray_here
+from tests.support.paths import EXAMPLES
 
 PAIR = Experiments(AvoidJack(), RandomPoses(num_havs=2), 8, 5, Task(max_steps=200))
-EXAMPLES = pathlib.Path(__file__).parent.parent.parent / "examples"
 
 
 @pytest.fixture(scope="module")

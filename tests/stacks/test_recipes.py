@@ -1,18 +1,17 @@
 """The recipes in examples/ run as they are, and end with policies that the evaluator reads."""
 
 import importlib
-import pathlib
 import sys
 
 import numpy as np
 import pytest
 import torch
 
-from baselines.policy_files import load_trained
-from baselines.rollout import rollout
+from baselines.policies.files import load_trained
 from hav_env import Task, find_scenario
+from hav_env.evaluation.rollout import rollout
+from tests.support.paths import EXAMPLES
 
-EXAMPLES = pathlib.Path(__file__).parent.parent.parent / "examples"
 SHORT = Task(max_steps=100)
 
 

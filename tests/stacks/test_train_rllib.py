@@ -6,15 +6,15 @@ import json
 import numpy as np
 import pytest
 import torch
-from ray_here import ray_here
 
-from baselines.network import normalize, propagate
-from baselines.policy_files import load_trained
-from baselines.rollout import rollout
+from baselines.policies.files import load_trained
+from baselines.policies.network import normalize, propagate
 from hav_env import RandomPoses, Task
-from train.rllib import Run, main
-from train.rllib_arguments import PRESETS
-from train.rllib_setup import SHARED, HAVMultiAgentEnv, mean_layers
+from hav_env.evaluation.rollout import rollout
+from tests.stacks.ray_here import ray_here
+from train.rllib.arguments import PRESETS
+from train.rllib.setup import SHARED, HAVMultiAgentEnv, mean_layers
+from train.rllib.training import Run, main
 from train.runs import begin_run, plain
 
 SHORT = Task(max_steps=200)

@@ -1,0 +1,61 @@
+"""This module escapes text for Markdown and plots, and makes names of files of any names."""
+
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+from hav_env.models.text import visible
+
+_LONGEST = 100  # characters of a name of a file, without its suffix
+# what begins or ends markup; a lone star, underscores within words and intervals in brackets do not
+_MARKUP = re.compile(r"[\\`|<&~$]|(?<=\S)\*|\*(?=\S)|(?<!\w)_|_(?!\w)|\](?=[(\[:])")
+
+
+def markdown(rows: list[list[str]]) -> str:
+    """Write rows as a table in Markdown; the first row is the head."""
+    lines = ["| " + " | ".join(map(_escape_cell, row)) + " |" for row in rows]
+    lines.insert(1, "|" + "|".join(["---"] + ["--:"] * (len(rows[0]) - 1)) + "|")
+    return "\n".join(lines) + "\n"
+
+
+def _escape_cell(text: str) -> str:
+    return _MARKUP.sub(lambda found: f"\\{found[0]}", visible(text))
+
+
+def code(text: str) -> str:
+    """Write text as code in Markdown, whatever it holds."""
+    fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
+    space = " " if len(fence) > 1 else ""
+    return f"{fence}{space}{visible(text)}{space}{fence}"
+
+
+def plot_text(text: str) -> str:
+    """Return text that a plot shows as it is: dollars begin no formula there, and no label hides.
+
+    Labels that begin with an underscore are left out of legends.
+    """
+    shown = visible(text).replace("$", r"\$")
+    return f" {shown}" if shown.startswith("_") else shown
+
+
+def file_names(names: Sequence[str], others: str = r"\W+") -> list[str]:
+    """Return a name of a file, without suffix, for each of some names; equal ones for equal ones.
+
+    Args:
+        names: any text.
+        others: matches what becomes a dash.
+
+    Names that would share a file, letter case aside, get a digest of the name behind it.
+    """
+    plain = {name: re.sub(others, "-", name) for name in names}
+    shared = Counter(label.casefold() for label in plain.values())
+
+    def label(name: str) -> str:
+        short = plain[name]
+        if shared[short.casefold()] == 1 and len(short.encode()) <= _LONGEST:
+            return short
+        digest = hashlib.sha256(name.encode("utf-8", "surrogateescape")).hexdigest()[:12]
+        return f"{short[: _LONGEST // 4]}-{digest}"
+
+    return [label(name) for name in names]

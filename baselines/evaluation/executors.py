@@ -1,0 +1,108 @@
+"""Where episodes are run: on this machine or on a Ray cluster; the tables do not depend on it.
+
+python -m baselines evaluate avoid_jack --episodes 100000 --engine ray --address auto
+"""
+
+import contextlib
+import functools
+import itertools
+from collections.abc import Callable, Generator, Iterable, Iterator
+from typing import Any
+
+import pyarrow as pa
+
+from baselines.evaluation.ray_cluster import connect
+from hav_env.compiled import source_digest, source_of
+
+Done = Generator[tuple[range, pa.Table], None, None]
+Part = Callable[[range, int | None], pa.Table]
+"""Runs a span of episodes on so many threads."""
+Engine = Callable[[Part, Iterable[range], int | None], Done]
+"""Gives the tables of spans, in any order, as they are done."""
+
+ENGINES = ("local", "ray")
+_AHEAD = 64  # tasks that a cluster is given before others are done, at least
+
+
+@contextlib.contextmanager
+def open_engine(name: str = "local", address: str | None = None) -> Iterator[Engine]:
+    """Give the engine of a name.
+
+    Args:
+        name: one of ``ENGINES``.
+        address: of the Ray cluster; None starts one on this machine.
+
+    Raises:
+        ValueError: when there is no such engine, or it has no address.
+        ImportError: when Ray is not installed.
+        ConnectionError: when nobody answers at the address.
+    """
+    if name not in ENGINES:
+        raise ValueError(f"unknown engine {name!r}; known: {', '.join(ENGINES)}")
+    if name == "local":
+        if address is not None:
+            raise ValueError(f"address is {address!r}, but the engine local has none: use ray")
+        yield run_here
+        return
+    with connect(address) as ray:
+        yield functools.partial(run_on_cluster, ray)
+
+
+def run_here(part: Part, spans: Iterable[range], threads: int | None) -> Done:
+    """Run spans one after the other."""
+    for span in spans:
+        yield span, part(span, threads)
+
+
+def run_on_cluster(ray: Any, part: Part, spans: Iterable[range], threads: int | None) -> Done:
+    """Run spans as tasks of a cluster, each with a core for every thread, by default one.
+
+    Raises:
+        ValueError: when a machine of the cluster has other code; or whatever a task raises.
+        OSError: when the cluster cannot run a task.
+    """
+    threads = threads or 1
+    cores = [int(node["Resources"].get("CPU", 0)) for node in ray.nodes() if node["Alive"]]
+    # a task that asks for more cores than any machine has would wait for ever
+    task = ray.remote(num_cpus=min(threads, max(cores, default=0) or threads))(_run_there)
+    shared = ray.put((part, _digest()))  # is sent to a machine once
+    left = iter(spans)
+    waiting: dict[Any, range] = {}
+    try:
+        while True:
+            for span in itertools.islice(left, max(_AHEAD, 4 * sum(cores)) - len(waiting)):
+                waiting[task.remote(shared, span, threads)] = span
+            if not waiting:
+                return
+            (done,), _ = ray.wait(list(waiting))
+            span = waiting.pop(done)
+            yield span, _table_of(ray, done)
+    finally:
+        for unwanted in waiting:
+            ray.cancel(unwanted)
+
+
+def _table_of(ray: Any, done: Any) -> pa.Table:
+    try:
+        return ray.get(done)
+    except ray.exceptions.RayError as error:
+        cause = getattr(error, "cause", error)  # what a task raised
+        if not isinstance(cause, ray.exceptions.RayError):
+            raise cause from None
+        told = str(cause).partition("\n")[0]  # without the traceback
+        raise OSError(f"the Ray cluster cannot run episodes: {told}") from None
+
+
+def _run_there(shared: tuple[Part, str], span: range, threads: int) -> pa.Table:
+    part, digest = shared
+    if _digest() != digest:
+        raise ValueError(
+            "a machine of the cluster has another version of this project or of Numba: install"
+            " the one that is here"
+        )
+    return part(span, threads)
+
+
+@functools.cache
+def _digest() -> str:
+    return source_digest(map(source_of, (run_here, source_digest)))

@@ -1,0 +1,75 @@
+"""This module tells from a table where not all goals can be reached, and the shortest times."""
+
+import math
+
+import numpy as np
+import pyarrow as pa
+
+from hav_env import Task
+from hav_env.maths.dubins import path_length
+
+_WIDER = 1.02  # than the tightest circle that trailers and truck can drive on for ever
+
+
+def column(table: pa.Table, name: str) -> np.ndarray:
+    return table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
+
+
+def starts_touching(table: pa.Table, num_havs: int) -> np.ndarray:
+    """Tell in which worlds chains touch at the start, (W,)."""
+    if num_havs == 1:
+        return np.zeros(table.num_rows, bool)
+    return (column(table, "actual_collision_step") == 0).reshape(-1, num_havs).any(1)
+
+
+def goals_crossing(table: pa.Table, num_havs: int) -> np.ndarray:
+    """Tell in which worlds two trucks that stood at their goals would cross, (W,)."""
+    crossing = np.zeros(table.num_rows // num_havs, bool)
+    length = column(table, "truck_length").reshape(-1, num_havs)
+    goal = 1
+    while f"goal_{goal}_x" in table.column_names:
+        x, y, heading = (
+            column(table, f"goal_{goal}_{what}").reshape(-1, num_havs)
+            for what in ("x", "y", "heading")
+        )
+        rear = x + 1j * y
+        front = rear + length * np.exp(1j * heading)
+        for first in range(num_havs):
+            a, b = rear[:, first, None], front[:, first, None]
+            c, d = rear[:, first + 1 :], front[:, first + 1 :]
+            apart = (_side(a, b, c) * _side(a, b, d) > 0) | (_side(c, d, a) * _side(c, d, b) > 0)
+            crossing |= (~apart).any(1)
+        goal += 1
+    return crossing
+
+
+def _side(a, b, p):
+    """Return a number above 0 where p is to the left of the way from a to b; all are complex."""
+    return ((b - a).conjugate() * (p - a)).imag
+
+
+def shortest_times(table: pa.Table, fleet) -> tuple[np.ndarray, np.ndarray]:
+    """Return how many steps the shortest paths to the goals take, each (G, R).
+
+    The second and later ones are from the goal before. The first array is for the truck's own
+    radius, l^0 / tan(phi^max), the second for 1.02 times the one on which its trailers too can go
+    round for ever, max(sqrt(sum (l^j)^2), l^0 / tan(phi^max)).
+    """
+    step = fleet.speed_max * Task().dt
+    truck = column(table, "truck_length")
+    lengths = table["trailer_lengths"].to_pylist()
+    trailers = np.array([math.hypot(*of_one) for of_one in lengths])
+    own = truck / math.tan(fleet.steering_max)
+    poses = [np.stack([column(table, f"start_{what}") for what in ("x", "y", "heading")], 1)]
+    steps: list[list[np.ndarray]] = [[], []]
+    while f"goal_{len(poses)}_x" in table.column_names:
+        goal = f"goal_{len(poses)}_"
+        poses.append(np.stack([column(table, goal + what) for what in ("x", "y", "heading")], 1))
+        start, end = poses[-2:]
+        dx, dy = (end - start)[:, :2].T
+        seen = (dx + 1j * dy) * np.exp(-1j * start[:, 2])
+        turn = end[:, 2] - start[:, 2]
+        for times, radius in zip(steps, (own, _WIDER * np.maximum(own, trailers)), strict=True):
+            shortest = map(path_length, seen.real, seen.imag, turn, radius)
+            times.append(np.fromiter(shortest, float, len(truck)) / step)
+    return np.array(steps[0]), np.array(steps[1])

@@ -1,0 +1,152 @@
+"""Trained policies as files: everything that a policy needs to act, and how it came to be."""
+
+import json
+import pathlib
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from baselines.policies.network import MOST_TRAILERS, Network, check_network, count_columns
+from baselines.storage.archives import MOST_TEXT, one_line, read_archive
+from baselines.storage.atomic_files import whole_file
+from hav_env.observation import Observation, check_observation, name_columns
+
+SUFFIX = ".policy"
+_KINDS = {"sizes": "i", "weights": "f", "mean": "f", "scale": "f", "layout": "U", "about": "U"}
+_MOST_BYTES = 1 << 26  # unpacked
+_MOST_NAMED = 8  # columns in a message
+_MOST_HELD = 1_000_000  # steps that an action is held
+_ARRAYS = {"sizes": np.int64, "weights": np.float32, "mean": np.float64, "scale": np.float64}
+
+
+class Trained(NamedTuple):
+    """What a file holds."""
+
+    policy: Network
+    about: dict[str, Any]
+    """How it came to be, in words and numbers that JSON knows: scenario, arguments of the
+    training, versions, learning curve, figures of its evaluation."""
+
+
+def save_policy(policy: Network, path: pathlib.Path, about: dict[str, Any]) -> None:
+    """Write a policy to a file; there is never half a file.
+
+    Raises:
+        ValueError: when the name does not end with ``.policy``, or the policy is none that
+            ``load_trained`` reads.
+        OSError: when the file cannot be written.
+    """
+    if path.suffix != SUFFIX:
+        raise ValueError(f"{path} must end with {SUFFIX}")
+    check_network(policy)
+    layout = {
+        "actions": ["speed", "steering"],
+        "columns": name_columns(policy.observation, policy.max_trailers),
+        "observation": policy.observation._asdict(),
+        "max_trailers": policy.max_trailers,
+        "frame_skip": policy.frame_skip,
+        "limit": policy.limit,
+    }
+    told = {"layout": json.dumps(layout), "about": json.dumps(about)}
+    for name, text in told.items():
+        if len(text) > MOST_TEXT:
+            rule = f"but must have at most {MOST_TEXT:,}"
+            raise ValueError(f"{name} has {len(text):,} characters, {rule}")
+    kept: dict[str, Any] = {
+        **{name: np.array(text) for name, text in told.items()},
+        **{name: getattr(policy, name).astype(kind) for name, kind in _ARRAYS.items()},
+    }
+    with whole_file(path) as unfinished, open(unfinished, "wb") as file:
+        np.savez_compressed(file, **kept)
+
+
+def load_policy(path: str | pathlib.Path) -> Network:
+    """Return the policy in a file; see ``load_trained``."""
+    return load_trained(path).policy
+
+
+def load_trained(path: str | pathlib.Path) -> Trained:
+    """Read a file.
+
+    Raises:
+        ValueError: when there is no such file, it is broken, or its policy observes other columns
+            than this version of the project offers.
+    """
+    try:
+        found = pathlib.Path(path).is_file()
+    except OSError as error:  # the name is too long
+        raise ValueError(f"there is no policy file {path!s:.80}: {error.strerror}") from None
+    if not found:
+        raise ValueError(f"there is no policy file {path}")
+    try:
+        with open(path, "rb") as file:
+            arrays = read_archive(file, _KINDS, _MOST_BYTES)
+        layout, about = (json.loads(arrays[name].item()) for name in ("layout", "about"))
+        if not isinstance(about, dict):
+            raise ValueError(f"about is {type(about).__name__}, but must be an object")
+        observation = _read_observation(layout["observation"])
+        max_trailers = _whole(layout, "max_trailers", MOST_TRAILERS)
+        count_columns(observation, max_trailers)
+        ours = name_columns(observation, max_trailers)
+        theirs = layout["columns"]
+        if not isinstance(theirs, list) or not all(
+            isinstance(name, str) and name.isidentifier() for name in theirs
+        ):
+            raise ValueError("columns must be a list of names")
+        policy = Network(
+            arrays["sizes"].astype(np.int64),
+            arrays["weights"].astype(np.float64),
+            arrays["mean"].astype(np.float64),
+            arrays["scale"].astype(np.float64),
+            _real(layout, "limit"),
+            _whole(layout, "frame_skip", _MOST_HELD),
+            observation,
+            max_trailers,
+        )
+        if theirs == list(ours):
+            check_network(policy)
+    except Exception as error:  # what is broken may break the reading anywhere
+        raise ValueError(f"{path} is no policy file, or a broken one: {one_line(error)}") from None
+    if theirs != list(ours):
+        raise ValueError(
+            f"{path} observes other columns than this version: {_differ(theirs, list(ours))}"
+        )
+    return Trained(policy, about)
+
+
+def _read_observation(told: dict[str, Any]) -> Observation:
+    observation = Observation(**told)
+    for name, usual in Observation()._asdict().items():
+        value = getattr(observation, name)
+        if type(value) is not type(usual):
+            rule = f"but must be of type {type(usual).__name__}"
+            raise ValueError(f"observation {name} is {value!r:.40}, {rule}")
+    check_observation(observation)
+    return observation
+
+
+def _whole(layout: dict[str, Any], name: str, most: int) -> int:
+    value = layout[name]
+    if type(value) is not int or not 0 <= value <= most:
+        raise ValueError(f"{name} is {value!r:.40}, but must be a whole number from 0 to {most}")
+    return value
+
+
+def _real(layout: dict[str, Any], name: str) -> float:
+    value = layout[name]
+    if type(value) not in (int, float):
+        raise ValueError(f"{name} is {value!r:.40}, but must be a number")
+    return float(value)
+
+
+def _differ(theirs: list[str], ours: list[str]) -> str:
+    """Say in which columns two layouts differ."""
+    more, fewer = sorted(set(theirs) - set(ours)), sorted(set(ours) - set(theirs))
+    parts = [f"only it has {_list(more)}"] * bool(more)
+    parts += [f"it lacks {_list(fewer)}"] * bool(fewer)
+    return "; ".join(parts) or "they stand in another order"
+
+
+def _list(names: list[str]) -> str:
+    told = ", ".join(name[:40] for name in names[:_MOST_NAMED])
+    return told + f" and {len(names) - _MOST_NAMED} more" * (len(names) > _MOST_NAMED)

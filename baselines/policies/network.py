@@ -1,0 +1,259 @@
+"""A trained policy: a multilayer perceptron from what a HAV observes to its speed and steering."""
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+
+from hav_env.compiled import VECTOR, fixed, kernel
+from hav_env.maths.elementary import exp
+from hav_env.maths.geometry import clip
+from hav_env.mdp.advance import to_command
+from hav_env.models.quantities import Skipped, Trailers
+from hav_env.observation import (
+    ROUTE_SIZE,
+    Observation,
+    name_columns,
+    observe,
+    plan_route,
+    settle,
+)
+from hav_env.policies.interface import act_lanes, check_parameters, memory_size
+from hav_env.world.sensing import episode_key, limits
+
+MOST_LAYERS, MOST_UNITS, MOST_WEIGHTS = 32, 8_192, 1 << 22
+MOST_TRAILERS, MOST_COLUMNS = 1_000, 1 << 14
+LARGEST_WEIGHT = 1e12  # so that no sum of products overflows, and no action is NaN
+
+
+class Network(NamedTuple):
+    """Layers of tanh units and a linear one on top; what is written by training, and read here.
+
+    The observation is normalized, (observation - mean) * scale, and cut to ``limit``; the two
+    outputs are cut to [-1, 1] and mean what an environment's actions mean.
+    """
+
+    sizes: np.ndarray
+    """(L + 1,) int64: columns of the observation, units of each layer; the last are 2."""
+    weights: np.ndarray
+    """float64, of one layer after the other: its weights (outputs, inputs), then its biases."""
+    mean: np.ndarray
+    """(D,) float64."""
+    scale: np.ndarray
+    """(D,) float64."""
+    limit: float
+    frame_skip: Skipped
+    """For how many steps an action is held; new ones are taken at its multiples."""
+    observation: Observation
+    """What is observed; settled, so that it tells the number of neighbours."""
+    max_trailers: Trailers
+    """Of the observation."""
+
+
+# What a HAV remembers: its command [m/s, rad]; and while it decides: its route, the lanes in which
+# to decide, the columns of the observation, then two areas for the layers by turns.
+_REMAINING, _SPEED, _STEERING, _DUE, _COLUMNS = range(ROUTE_SIZE, ROUTE_SIZE + 5)
+
+
+def pack_layers(layers: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Return ``sizes`` and ``weights`` of layers (weights (outputs, inputs), biases (outputs,))."""
+    sizes = [layers[0][0].shape[1], *(len(bias) for _, bias in layers)]
+    packed = [np.ravel(array) for layer in layers for array in layer]
+    return np.array(sizes, np.int64), np.concatenate(packed).astype(np.float64)
+
+
+def unpack_layers(policy: Network) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the weights (outputs, inputs) and the biases (outputs,) of each layer."""
+    layers, first = [], 0
+    for inputs, outputs in zip(policy.sizes[:-1], policy.sizes[1:], strict=True):
+        biases = first + inputs * outputs
+        weights = policy.weights[first:biases].reshape(outputs, inputs)
+        layers.append((weights.copy(), policy.weights[biases : biases + outputs].copy()))
+        first = biases + outputs
+    return layers
+
+
+@memory_size.register
+def _(policy: Network) -> int:
+    return _COLUMNS + int(policy.sizes[0]) + 2 * int(max(policy.sizes[1:]))
+
+
+@check_parameters.register
+def _(policy: Network, scenario) -> None:
+    seen = settle(policy.observation, scenario.num_havs), scenario.max_trailers
+    if seen != (policy.observation, policy.max_trailers):
+        raise ValueError(
+            f"the policy was trained to observe {_say(policy.observation, policy.max_trailers)},"
+            f" but the scenario offers {_say(*seen)}"
+        )
+    check_network(policy)
+
+
+def check_network(policy: Network) -> None:
+    """Check a network by itself, whatever the scenario, before memory is allocated for it.
+
+    Compiled code reads and writes its layers without looking at the ends of arrays.
+
+    Raises:
+        ValueError: naming the field, its value and what is allowed.
+    """
+    columns = count_columns(policy.observation, policy.max_trailers)
+    shape = policy.sizes.shape
+    if len(shape) != 1 or not 2 <= shape[0] <= MOST_LAYERS + 1 or policy.sizes.dtype.kind != "i":
+        raise ValueError(
+            f"policy sizes is {policy.sizes.dtype} of shape {shape}, which does not fit any layers:"
+            f" it must be whole numbers of 1 to {MOST_LAYERS} layers"
+        )
+    sizes: list[int] = policy.sizes.tolist()  # Python's numbers do not overflow
+    if min(sizes) < 1 or max(sizes[1:]) > MOST_UNITS or (sizes[0], sizes[-1]) != (columns, 2):
+        raise ValueError(
+            f"policy sizes is {sizes}, which does not fit: it must lead from {columns} columns to 2"
+            f" outputs, with 1 to {MOST_UNITS} units in between"
+        )
+    weights = sum((inputs + 1) * outputs for inputs, outputs in itertools.pairwise(sizes))
+    if weights > MOST_WEIGHTS:
+        raise ValueError(f"policy sizes is {sizes}, but must be of at most {MOST_WEIGHTS} weights")
+    for name, length in (("weights", weights), ("mean", columns), ("scale", columns)):
+        array = getattr(policy, name)
+        if array.shape != (length,) or array.dtype.kind != "f":
+            found = f"{array.dtype} of shape {array.shape}"
+            rule = f"it must be real numbers ({length},)"
+            raise ValueError(f"policy {name} is {found}, which does not fit: {rule}")
+        large = ~(np.abs(array) <= LARGEST_WEIGHT)  # so is NaN
+        if large.any():
+            rule = f"but must hold numbers from -{LARGEST_WEIGHT:g} to {LARGEST_WEIGHT:g}"
+            raise ValueError(f"policy {name} holds {array[large][0]:g}, {rule}")
+    if not 0.0 < policy.limit < np.inf:
+        raise ValueError(f"policy limit is {policy.limit}, but must be finite and above 0")
+
+
+def count_columns(observation: Observation, max_trailers: int) -> int:
+    """Return how many columns an observation has, before their names are made.
+
+    Raises:
+        ValueError: when there are more than any policy may have.
+    """
+    if not 0 <= max_trailers <= MOST_TRAILERS:
+        rule = f"but must be from 0 to {MOST_TRAILERS}"
+        raise ValueError(f"policy max_trailers is {max_trailers}, {rule}")
+    none, one = (len(name_columns(observation._replace(neighbors=k), max_trailers)) for k in (0, 1))
+    columns = none + max(observation.neighbors, 0) * (one - none)
+    if columns > MOST_COLUMNS:
+        raise ValueError(
+            f"policy observation is of {observation.neighbors} neighbors, {columns} columns,"
+            f" but must be of at most {MOST_COLUMNS} columns"
+        )
+    return columns
+
+
+def _say(observation: Observation, max_trailers: int) -> str:
+    more = "".join(f" with {what}" for what in ("chains", "fronts") if getattr(observation, what))
+    return f"{observation.neighbors} neighbors{more} and up to {max_trailers} trailers"
+
+
+@act_lanes.register(Network)
+def follow_network(policy, memory, world, agent, speed, steering):
+    """Take an action in the lanes where one is due, and hold those of the others."""
+    rows = memory[agent]
+    due = _list_due(policy, rows, world, agent)
+    if due > 0:
+        plan_route(world, agent, memory, memory[:, _REMAINING])
+        columns = rows[_COLUMNS : _COLUMNS + policy.sizes[0]]
+        observe(policy.observation, world, agent, memory, columns)
+        padded = min((due + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
+        _gather(rows, columns, due, padded)
+        normalize(policy, columns, padded)
+        actions = propagate(policy, rows[_COLUMNS:], padded)
+        for k in range(due):
+            lane = int(rows[_DUE, k])
+            speed_max, steering_max, _ = limits(world, agent, lane)
+            rows[_SPEED, lane], rows[_STEERING, lane] = to_command(
+                rows[_COLUMNS + actions, k],
+                rows[_COLUMNS + actions + 1, k],
+                speed_max,
+                steering_max,
+            )
+    for lane in range(world.lanes):
+        speed[agent, lane] = rows[_SPEED, lane]
+        steering[agent, lane] = rows[_STEERING, lane]
+
+
+@kernel
+def _list_due(policy, rows, world, agent):
+    """List the lanes in which an action is to be taken; return how many there are."""
+    due = 0
+    for lane in range(world.lanes):
+        _, _, step = episode_key(world, lane)
+        if step % policy.frame_skip == 0 and not world.state.waiting[agent, lane]:
+            rows[_DUE, due] = lane
+            due += 1
+    return due
+
+
+@kernel
+def _gather(rows, columns, due, padded):
+    """Move what is seen in the lanes that are due to the first ones; fill up with zeros."""
+    for column in range(columns.shape[0]):
+        for k in range(due):
+            columns[column, k] = columns[column, int(rows[_DUE, k])]
+        for k in range(due, padded):
+            columns[column, k] = 0.0
+
+
+@kernel
+def normalize(policy, columns, lanes):
+    """Normalize the columns (D, W) of an observation in the first lanes."""
+    for number in range(columns.shape[0]):
+        column = fixed(number)
+        mean, scale, limit = policy.mean[column], policy.scale[column], policy.limit
+        for k in range(lanes):
+            columns[column, k] = clip((columns[column, k] - mean) * scale, -limit, limit)
+
+
+@kernel
+def propagate(policy, rows, lanes):
+    """Work out the layers in the first lanes.
+
+    Args:
+        policy: a Network.
+        rows: (K, W) whose first rows are the inputs; the others are overwritten.
+        lanes: how many.
+
+    Returns:
+        In which row the first of both outputs is; the second one is in the next.
+    """
+    inputs, first, widest = 0, 0, 0
+    for layer in range(1, policy.sizes.size):
+        widest = max(widest, policy.sizes[layer])
+    outputs, last = policy.sizes[0], policy.sizes.size - 1
+    for layer in range(1, policy.sizes.size):
+        num_inputs, num_outputs = policy.sizes[layer - 1], policy.sizes[layer]
+        biases = first + num_inputs * num_outputs
+        for number in range(num_outputs):
+            output = fixed(outputs + number)
+            _sum_up(policy, rows, lanes, inputs, output, num_inputs, first, biases + number)
+            first += num_inputs
+            if layer < last:
+                for k in range(lanes):  # tanh
+                    rows[output, k] = 1.0 - 2.0 / (1.0 + exp(2.0 * rows[output, k]))
+        first += num_outputs
+        inputs, outputs = outputs, policy.sizes[0] + (widest if layer % 2 == 1 else 0)
+    return inputs
+
+
+@kernel
+def _sum_up(policy, rows, lanes, inputs, output, num_inputs, first, bias):
+    """Work out one unit: its bias, plus weights times inputs, four at a time."""
+    weights = policy.weights
+    for k in range(lanes):
+        rows[output, k] = weights[bias]
+    for number in range(0, num_inputs - 3, 4):
+        one, w = fixed(inputs + number), first + number
+        for k in range(lanes):
+            pair = weights[w] * rows[one, k] + weights[w + 1] * rows[one + 1, k]
+            other = weights[w + 2] * rows[one + 2, k] + weights[w + 3] * rows[one + 3, k]
+            rows[output, k] += pair + other
+    for number in range(num_inputs - num_inputs % 4, num_inputs):
+        one, w = fixed(inputs + number), first + number
+        for k in range(lanes):
+            rows[output, k] += weights[w] * rows[one, k]

@@ -1,0 +1,195 @@
+"""The others as a HAV under Reserve takes them, once they are gathered in slots of its memory."""
+
+import math
+
+from baselines.policies.reserve.memory.rows import (
+    AFTER,
+    CLEAR,
+    CLOSE,
+    COMPANIONS,
+    COMPANY,
+    FRAME,
+    KIND,
+    KNOWN,
+    MODE,
+    MOST_KNOWN,
+    NUM_SLOTS,
+    OUTLINE,
+    OWN_REACH,
+    OWN_STEP,
+    RAW,
+    RESERVED,
+    SEEN,
+    SLOT,
+    SLOT_ROWS,
+    STANDING,
+    TURNED,
+)
+from hav_env.compiled import kernel, rare_kernel
+from hav_env.maths.geometry import into_frame
+from hav_env.maths.kdop import SIDES, corner, outline_gap, turn_outline
+from hav_env.policies.interface import heard
+from hav_env.world.sensing import (
+    neighbor_footprint,
+    neighbor_id,
+    neighbor_length,
+    neighbor_position,
+    num_neighbors,
+)
+
+NEAR = 30.0  # [m] between what circumscribes both, and what they drive in a step
+
+
+@kernel
+def slot_at(number):
+    """Return the first row of a slot."""
+    return SLOT + SLOT_ROWS * number
+
+
+@rare_kernel
+def gap_to(rows, slot, outline, enough):
+    """Return a lower bound of the distance [m] from an own outline to what is in a slot.
+
+    Gaps are looked for across the own sides; then, if that may help to have enough [m], across the
+    sides of the other one.
+    """
+    gap = outline_gap(rows, outline, slot + SEEN)
+    if gap > enough or gap < enough - 4.0 or rows[slot + KIND] == STANDING:
+        return gap
+    x, y = rows[slot + FRAME], rows[slot + FRAME + 1]
+    cosine, sine = rows[slot + FRAME + 2], rows[slot + FRAME + 3]
+    back_x, back_y = -x * cosine - y * sine, x * sine - y * cosine
+    turn_outline(rows, TURNED, rows, outline, back_x, back_y, cosine, -sine)
+    return max(gap, outline_gap(rows, TURNED, slot + RAW))
+
+
+@rare_kernel
+def someone_within(rows, x, y, radius):
+    """Tell whether the box round what is in a slot comes within a radius [m] of a place."""
+    for number in range(int(rows[NUM_SLOTS])):
+        seen = slot_at(number) + SEEN
+        dx = max(x - rows[seen], -rows[seen + SIDES // 2] - x, 0.0)
+        dy = max(y - rows[seen + SIDES // 4], -rows[seen + 3 * SIDES // 4] - y, 0.0)
+        if dx * dx + dy * dy <= radius * radius:
+            return True
+    return False
+
+
+@rare_kernel
+def extent_of(rows, outline):
+    """Return the distance [m] of an outline's farthest corner from the origin of its frame."""
+    farthest = 0.0
+    for side in range(SIDES):
+        x, y = corner(rows, outline, side)
+        farthest = max(farthest, x * x + y * y)
+    return math.sqrt(farthest)
+
+
+@kernel
+def is_overseen(rows, outline, margin):
+    """Tell whether all who may come within a margin [m] of an outline are in slots."""
+    return extent_of(rows, outline) + margin <= rows[CLEAR]
+
+
+@rare_kernel
+def apart(rows, outline, kind, margin):
+    """Tell whether an outline keeps a margin [m] from all slots of a kind; mark the close ones."""
+    free = True
+    for number in range(int(rows[NUM_SLOTS])):
+        slot = slot_at(number)
+        if rows[slot + KIND] != kind:
+            continue
+        near = gap_to(rows, slot, outline, margin) <= margin
+        if kind == STANDING:
+            rows[slot + CLOSE] = 1.0 if near else 0.0
+        if near:
+            free = False
+            if kind == RESERVED:
+                return False
+    return free
+
+
+@kernel
+def is_near(rows, world, agent, k, lane):
+    """Tell whether a neighbour is near enough to be noticed when it comes or goes.
+
+    Farther ones, if they are sensed at all, are compared only when something is reserved.
+    """
+    x, y = neighbor_position(world, agent, k, lane)
+    reach = max(
+        neighbor_footprint(world, agent, k, lane), neighbor_length(world, agent, k, 0, lane)
+    )
+    farthest = rows[OWN_REACH] + reach + NEAR + 2.0 * rows[OWN_STEP]
+    return x * x + y * y <= farthest * farthest
+
+
+@kernel
+def _sign_of(policy, memory, world, agent, k, lane):
+    """Return a number by whose sum over all it shows, but for coincidence, who of them stands."""
+    number = neighbor_id(world, agent, k, lane) + 1.0
+    mode = heard(memory, world, agent, k, MODE, lane) if policy.broadcast else 0.0
+    return number * (number + 0.123) * mode
+
+
+@rare_kernel
+def note_company(policy, rows, memory, world, agent, lane):
+    """Remember who is near, and who of them stands."""
+    count, total = 0, 0.0
+    for k in range(num_neighbors(world, agent, lane)):
+        if is_near(rows, world, agent, k, lane):
+            if count < MOST_KNOWN:
+                rows[COMPANIONS + count] = neighbor_id(world, agent, k, lane)
+            count += 1
+            total += _sign_of(policy, memory, world, agent, k, lane)
+    rows[COMPANY], rows[KNOWN] = count, total
+
+
+@rare_kernel
+def is_known(rows, number):
+    """Tell whether the HAV of this number was near when that was noted."""
+    for k in range(min(int(rows[COMPANY]), MOST_KNOWN)):
+        if rows[COMPANIONS + k] == number:
+            return True
+    return False
+
+
+@rare_kernel
+def is_stranger(rows, world, agent, k, lane):
+    """Tell whether a neighbour is near and was not when that was last noted."""
+    known = is_known(rows, neighbor_id(world, agent, k, lane))
+    return not known and is_near(rows, world, agent, k, lane)
+
+
+@rare_kernel
+def reserved_gap(rows, slot):
+    """Return a lower bound of the distance [m] from what the HAV has reserved to a slot's.
+
+    It is found as when the later one of both was reserved, so that it comes out the same.
+    """
+    x, y, cosine, sine = rows[AFTER], rows[AFTER + 1], rows[AFTER + 2], rows[AFTER + 3]
+    if rows[slot + KIND] == STANDING:
+        turn_outline(rows, TURNED, rows, OUTLINE, x, y, cosine, sine)
+        return outline_gap(rows, TURNED, slot + SEEN)
+    dx, dy = rows[slot + FRAME] - x, rows[slot + FRAME + 1] - y
+    forward, left = into_frame(dx, dy, cosine, sine)
+    c, s = into_frame(rows[slot + FRAME + 2], rows[slot + FRAME + 3], cosine, sine)
+    turn_outline(rows, TURNED, rows, slot + RAW, forward, left, c, s)
+    gap = outline_gap(rows, OUTLINE, TURNED)
+    turn_outline(
+        rows, TURNED, rows, OUTLINE, -forward * c - left * s, forward * s - left * c, c, -s
+    )
+    return max(gap, outline_gap(rows, TURNED, slot + RAW))
+
+
+@kernel
+def has_company_changed(policy, rows, memory, world, agent, lane):
+    """Tell whether others are near, or stand, than when this was last noted."""
+    count, total = 0, 0.0
+    for k in range(num_neighbors(world, agent, lane)):
+        if is_near(rows, world, agent, k, lane):
+            number = neighbor_id(world, agent, k, lane)
+            if count >= MOST_KNOWN or number != rows[COMPANIONS + count]:
+                return True
+            count += 1
+            total += _sign_of(policy, memory, world, agent, k, lane)
+    return count != rows[COMPANY] or total != rows[KNOWN]

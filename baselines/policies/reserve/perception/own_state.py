@@ -1,0 +1,160 @@
+"""What a HAV senses of itself, written into its rows once a step: everything else thinks in rows.
+
+So what a HAV decides cannot depend on anything that it may not know; and the arrays of the world,
+some forty, are no arguments of the many functions that work it out, which compile faster.
+"""
+
+import math
+
+from baselines.policies.reserve.memory.rows import (
+    OWN_BOUND,
+    OWN_CIRCLE,
+    OWN_DICE,
+    OWN_FOOTPRINT,
+    OWN_FRONT,
+    OWN_GOAL,
+    OWN_GOALS_LEFT,
+    OWN_HITCH,
+    OWN_JOINTS,
+    OWN_LENGTHS,
+    OWN_NUMBER,
+    OWN_REACH,
+    OWN_REAR,
+    OWN_SAG,
+    OWN_STEEPEST,
+    OWN_STEP,
+    OWN_STRIDE,
+    OWN_TIGHTEST,
+    OWN_TRAILERS,
+    OWN_WINDOW,
+)
+from hav_env.compiled import kernel, rare_kernel
+from hav_env.maths.elementary import sincos
+from hav_env.maths.geometry import TWO_PI
+from hav_env.world.sensing import (
+    articulation_direction,
+    episode_key,
+    goal_direction,
+    goal_pose,
+    goals_left,
+    limits,
+    num_trailers,
+    own_footprint,
+    stable_radius,
+    steering_direction,
+    unit_length,
+)
+
+_WIDER = 1.02  # the circle for ever is so much wider than what is needed
+
+
+@kernel
+def sense_itself(policy, rows, world, agent, lane):
+    """Write what changes from step to step; in the first step also what does not.
+
+    Returns:
+        Whether the HAV sees its goal where it saw it in the step before: it has stood.
+    """
+    if rows[OWN_STEP] == 0.0:
+        _sense_body(policy, rows, world, agent, lane)
+    x, y, heading = goal_pose(world, agent, lane)
+    stood = (x == rows[OWN_GOAL]) & (y == rows[OWN_GOAL + 1]) & (heading == rows[OWN_GOAL + 2])
+    rows[OWN_GOAL], rows[OWN_GOAL + 1], rows[OWN_GOAL + 2] = x, y, heading
+    cosine, sine = goal_direction(world, agent, lane)
+    rows[OWN_GOAL + 3], rows[OWN_GOAL + 4] = cosine, sine
+    rows[OWN_GOALS_LEFT] = goals_left(world, agent, lane)
+    seed, episode, step = episode_key(world, lane)
+    rows[OWN_DICE], rows[OWN_DICE + 1], rows[OWN_DICE + 2] = seed, episode, step
+    return stood
+
+
+@rare_kernel
+def _sense_body(policy, rows, world, agent, lane):
+    """Write lengths, limits and the radii that follow from them."""
+    trailers = num_trailers(world, agent, lane)
+    rows[OWN_NUMBER], rows[OWN_TRAILERS] = agent, trailers
+    for unit in range(trailers + 1):
+        rows[OWN_LENGTHS + unit] = unit_length(world, agent, unit, lane)
+    truck = rows[OWN_LENGTHS]
+    rows[OWN_FOOTPRINT] = own_footprint(world, agent, lane)
+    rows[OWN_REACH] = max(rows[OWN_FOOTPRINT], truck)
+    speed, _, articulation_max = limits(world, agent, lane)
+    cosine, sine = steering_direction(world, agent, lane)
+    rows[OWN_STEP], rows[OWN_STEEPEST] = speed * policy.dt, sine / cosine
+    bound = articulation_max - policy.articulation_margin
+    bend, rows[OWN_BOUND] = sincos(bound)
+    rows[OWN_WINDOW] = TWO_PI - 2.0 * bound
+    bend = bend if rows[OWN_BOUND] > 0.0 else 1.0
+    rows[OWN_TIGHTEST] = truck * cosine / sine
+    # R_min of eq. (rmin) counts the truck as well, of which trailers know nothing
+    stable = stable_radius(world, agent, lane)
+    rows[OWN_HITCH] = math.sqrt(max(stable * stable - truck * truck, 0.0))
+    circle = _WIDER * max(rows[OWN_HITCH], rows[OWN_TIGHTEST])
+    squares = 0.0
+    for unit in range(1, trailers + 1):  # on a circle for good, each trailer bends so far
+        length = rows[OWN_LENGTHS + unit]
+        circle = max(circle, math.sqrt(squares + length * length / (bend * bend)))
+        squares += length * length
+    rows[OWN_CIRCLE] = circle
+    # steps are chords of the circle, and the truck heads along the last one
+    sine, _ = sincos(0.5 * rows[OWN_STEP] / rows[OWN_CIRCLE])
+    rear = 0.5 * rows[OWN_STEP] / sine
+    rows[OWN_REAR] = rear
+    rows[OWN_FRONT] = math.sqrt(rear * rear + truck * truck + 2.0 * rear * truck * sine)
+    _sense_step(rows)
+
+
+@rare_kernel
+def _sense_step(rows):
+    """Write how far a step may lead, and how far from the straight ways to where it leads."""
+    trailers, shortest = int(rows[OWN_TRAILERS]), rows[OWN_LENGTHS]
+    for unit in range(1, trailers + 1):
+        shortest = min(shortest, rows[OWN_LENGTHS + unit])
+    rows[OWN_SAG] = sag(rows[OWN_STEP], rows[OWN_STEEPEST], shortest)
+    rows[OWN_STRIDE] = stride(rows[OWN_STEP], rows[OWN_STEEPEST], shortest, trailers)
+
+
+@kernel
+def sag(step, steepest, shortest):
+    """Return how far [m] the axles of rolling wheels leave the ways of the simulator's step.
+
+    The simulator turns the truck first and then moves it; wheels do both at once. The proof is in
+    docs/safety.md, between steps.
+
+    Args:
+        step: of the truck's rear axle [m]; steepest: tangent of the largest steering angle.
+        shortest: unit [m].
+    """
+    turned = 0.5 * step * step / shortest * max(steepest + 0.25 * steepest * steepest, 1.0)
+    return turned + max(step - shortest, 0.0)
+
+
+@kernel
+def stride(step, steepest, shortest, trailers):
+    """Return how far [m] an axle moves in a step, at most: the front one, or the last one.
+
+    Args:
+        step, steepest, shortest: as for ``sag``; trailers: how many.
+    """
+    front = math.sqrt(1.0 + steepest * steepest * (1.0 + step / shortest))
+    return step * max(front, 1.0 + 1.5 * trailers * step / shortest)
+
+
+@rare_kernel
+def sense_joints(rows, world, agent, lane):
+    """Write cosine and sine of every articulation."""
+    for joint in range(1, num_trailers(world, agent, lane) + 1):
+        cosine, sine = articulation_direction(world, agent, joint, lane)
+        rows[OWN_JOINTS + 2 * joint - 2], rows[OWN_JOINTS + 2 * joint - 1] = cosine, sine
+
+
+@kernel
+def is_due(rows, period):
+    """Tell whether it is the HAV's turn to do what it does once in so many steps."""
+    return (int(rows[OWN_DICE + 2]) + int(rows[OWN_NUMBER])) % period == 0
+
+
+@kernel
+def goal_seen(rows):
+    """Return the goal under way: forward [m], left [m], heading relative to the truck's [rad]."""
+    return rows[OWN_GOAL], rows[OWN_GOAL + 1], rows[OWN_GOAL + 2]

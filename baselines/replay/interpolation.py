@@ -1,0 +1,59 @@
+"""What an episode looks like at any moment, between the states that were kept, too."""
+
+import math
+
+import numpy as np
+
+from baselines.replay.trajectory import Trajectory
+from hav_env.rendering.scene import Scene, find_potential
+from hav_env.world.arrays import ACTUAL, JACKKNIFE, NEVER, WHEN
+
+
+def scene_at(trajectory: Trajectory, time: float) -> Scene:
+    """Return the scene at a time [s] since the episode began; motion is interpolated linearly."""
+    moments = trajectory.step * trajectory.dt
+    row = int(np.clip(np.searchsorted(moments, time, "right") - 1, 0, len(moments) - 1))
+    after = min(row + 1, len(moments) - 1)
+    span = moments[after] - moments[row]
+    share = float(np.clip((time - moments[row]) / span, 0.0, 1.0)) if span else 0.0
+
+    def between(values: np.ndarray) -> np.ndarray:
+        return values[row] + share * (values[after] - values[row])
+
+    def has_happened(steps: np.ndarray) -> np.ndarray:
+        return (steps != NEVER) & (steps * trajectory.dt <= time + 1e-9)
+
+    x, y = between(trajectory.x), between(trajectory.y)
+    phase = int(trajectory.phase[row])
+    removed = trajectory.removed[row]
+    return Scene(
+        time=time,
+        phase=phase,
+        x=x,
+        y=y,
+        heading=between(trajectory.heading),
+        # nothing is decided in the last state
+        speed=np.nan_to_num(trajectory.speed[row]),
+        steering=np.nan_to_num(trajectory.steering[row]),
+        num_trailers=trajectory.num_trailers,
+        length=trajectory.length,
+        footprint=trajectory.footprint,
+        articulation_max=trajectory.articulation_max,
+        goal=trajectory.goals[:, phase],
+        hits=has_happened(trajectory.hit_step).sum(axis=1),
+        num_goals=trajectory.goals.shape[1],
+        waiting=trajectory.waiting[row],
+        removed=removed,
+        jackknifed=has_happened(trajectory.first[:, JACKKNIFE, WHEN]),
+        potential=find_potential(x, y, trajectory.footprint, ~removed),
+        collided=has_happened(trajectory.first[:, ACTUAL, WHEN]),
+        evaded=trajectory.evaded[row],
+    )
+
+
+def frame_times(trajectory: Trajectory, speed: float, fps: int) -> np.ndarray:
+    """Return the time [s] of every frame of a film at a speed, the last state's included."""
+    first, last = trajectory.step[[0, -1]] * trajectory.dt
+    # rounding must not add a frame
+    count = math.ceil((last - first) * fps / speed - 1e-6) + 1
+    return np.minimum(first + np.arange(count) * speed / fps, last)

@@ -1,0 +1,138 @@
+"""One episode again, with everything that happened on the way."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hav_env import Batch, Task
+from hav_env.maths.random_numbers import Seed
+from hav_env.models.checks import check_value
+from hav_env.models.quantities import Steps
+from hav_env.policies.interface import allocate_memory, check_models, decide, evaded_by
+from hav_env.vehicles import OnAxle
+from hav_env.world.arrays import ARTICULATION, FOOTPRINT, HIT_STEP, NEVER, PHASE, REMOVED, STEP
+
+
+class Trajectory(NamedTuple):
+    """The states of one episode that were kept, T of them.
+
+    Shapes as in ``hav_env.world.arrays``."""
+
+    step: np.ndarray  # (T,) steps done; row 0 is the state after reset
+    x: np.ndarray  # (T, N) truck's rear axle [m]
+    y: np.ndarray  # (T, N) [m]
+    heading: np.ndarray  # (T, N, U) of every unit [rad], not wrapped
+    waiting: np.ndarray  # (T, N) bool: at its goal
+    removed: np.ndarray  # (T, N) bool: has left the world; x and y are where it was last
+    phase: np.ndarray  # (T,) goal under way
+    speed: np.ndarray  # (T, N) decided in this state [m/s]; nan in the last, where nothing is
+    steering: np.ndarray  # (T, N) [rad], left positive
+    evaded: np.ndarray  # (T, N) the HAV evaded in this state, NEVER for none
+    num_trailers: np.ndarray  # (N,)
+    length: np.ndarray  # (N, U) wheelbase and trailer lengths [m], inf beyond the last
+    footprint: np.ndarray  # (N,) radius d_i [m]
+    articulation_max: np.ndarray  # (N,) jackknifed beyond it [rad]
+    goals: np.ndarray  # (N, G, 3) x [m], y [m], heading [rad]
+    first: np.ndarray  # (N, 3, 2) events JACKKNIFE .. ACTUAL: WHEN (step) and WHERE, or NEVER
+    hit_step: np.ndarray  # (N, G) at which each goal was hit, or NEVER
+    dt: float  # duration of a step [s]
+    policy: str  # a name to be shown, like the next
+    scenario: str
+    seed: int
+    episode: int
+
+
+def record_trajectory(
+    policy,
+    scenario,
+    seed: int,
+    episode: int,
+    task: Task = Task(),
+    vehicle=OnAxle(),
+    every: int = 1,
+) -> Trajectory:
+    """Run one episode as ``rollout`` does, and keep its states.
+
+    Args:
+        policy, scenario, seed, episode, task, vehicle: as for ``rollout``.
+        every: keep the states after each so many steps, and the last one in any case.
+
+    Raises:
+        ValueError, TypeError: for parameters that are not allowed, naming them.
+        PlacementError: when the scenario has no room for its HAVs.
+    """
+    check_models(policy, scenario, task, vehicle)
+    check_value("episode", Seed, episode)
+    check_value("every", Steps, every)
+    batch = Batch(scenario, 1, task, vehicle)
+    batch.reset(seed, np.array([episode]))
+    state, fleet, record = batch.worlds.state, batch.worlds.fleet, batch.worlds.record
+    memory = allocate_memory(policy, len(state.x), 1)
+    rows, place = [], np.zeros((2, *state.x.shape))
+
+    def keep(speed: np.ndarray, steering: np.ndarray, evaded: np.ndarray) -> None:
+        removed = record.total[:, REMOVED] != 0.0
+        now = (*place, state.heading, state.waiting, removed, speed, steering, evaded)
+        rows.append([*state.clock[[STEP, PHASE], 0], *(values[..., 0].copy() for values in now)])
+
+    def note_places() -> None:
+        np.copyto(place, [state.x, state.y], where=record.total[:, REMOVED] == 0.0)
+
+    note_places()
+    while not batch.ended[0]:
+        speed, steering = decide(policy, memory, batch)
+        if state.clock[STEP, 0] % every == 0:
+            # a HAV that waits is not asked, and its memory tells of an earlier state
+            keep(speed, steering, np.where(state.waiting, NEVER, evaded_by(policy, memory)))
+        batch.step(speed, steering)
+        note_places()
+    undecided = np.full(state.x.shape, np.nan)
+    keep(undecided, undecided, np.full(state.x.shape, NEVER))
+    step, phase, x, y, heading, waiting, removed, speed, steering, evaded = map(
+        np.array, zip(*rows, strict=True)
+    )
+    return Trajectory(
+        step=step,
+        x=x,
+        y=y,
+        heading=heading,
+        waiting=waiting,
+        removed=removed,
+        phase=phase,
+        speed=speed,
+        steering=steering,
+        evaded=evaded,
+        num_trailers=fleet.num_trailers[:, 0].copy(),
+        length=fleet.length[:, :, 0].copy(),
+        footprint=fleet.radius[:, FOOTPRINT, 0].copy(),
+        articulation_max=fleet.limit[:, ARTICULATION, 0].copy(),
+        goals=batch.worlds.goals[..., 0].copy(),
+        first=record.first[..., 0].copy(),
+        hit_step=record.goal[:, :, HIT_STEP, 0].astype(np.int64),
+        dt=float(task.dt),
+        policy=type(policy).__name__,
+        scenario=type(scenario).__name__,
+        seed=int(seed),
+        episode=int(episode),
+    )
+
+
+def chain_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray) -> np.ndarray:
+    """Return where the axles of a HAV are, the polygonal chain P_i.
+
+    Args:
+        trajectory: the states.
+        hav: which HAV.
+        rows: which of the T states: an index, a slice or an array of indices.
+
+    Returns:
+        (..., K, 2) x and y [m], rows first: the truck's front axle, its rear axle, then the axle of
+        each of the K - 2 trailers.
+    """
+    units = trajectory.num_trailers[hav] + 1
+    heading = trajectory.heading[rows, hav, :units]
+    direction = np.stack([np.cos(heading), np.sin(heading)], axis=-1)  # (..., units, 2)
+    along = trajectory.length[hav, :units, None] * direction
+    rear = np.stack([trajectory.x[rows, hav], trajectory.y[rows, hav]], axis=-1)
+    front = (rear + along[..., 0, :])[..., None, :]
+    return np.concatenate([front, front - np.cumsum(along, axis=-2)], axis=-2)

@@ -1,0 +1,159 @@
+"""Recorded episodes on disk: one compressed NumPy archive each, with a versioned layout."""
+
+import os
+import pathlib
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from baselines.replay.trajectory import Trajectory
+from baselines.storage.archives import Head, one_line, read_archive
+from baselines.storage.atomic_files import whole_file
+from hav_env.world.arrays import NEVER
+
+_KIND, _VERSION = "hav_env trajectory", 1
+_MOST_BYTES = 1 << 29  # unpacked
+_HEADS = 1 << 16  # [bytes] at most, of all arrays
+_FARTHEST = 1e9  # [m], [rad]: beyond it nothing is meant
+_LONGEST = 1e6  # [s] of an episode
+_LONGEST_NAME = 200  # characters
+# of every field: NumPy's kinds of numbers that are allowed, and its shape
+_LAYOUT = {
+    "step": ("iu", "T"),
+    "x": ("f", "TN"),
+    "y": ("f", "TN"),
+    "heading": ("f", "TNU"),
+    "waiting": ("b", "TN"),
+    "removed": ("b", "TN"),
+    "phase": ("iu", "T"),
+    "speed": ("f", "TN"),
+    "steering": ("f", "TN"),
+    "evaded": ("i", "TN"),
+    "num_trailers": ("iu", "N"),
+    "length": ("f", "NU"),
+    "footprint": ("f", "N"),
+    "articulation_max": ("f", "N"),
+    "goals": ("f", "NG3"),
+    "first": ("i", "N32"),
+    "hit_step": ("i", "NG"),
+    "dt": ("f", ""),
+    "policy": ("U", ""),
+    "scenario": ("U", ""),
+    "seed": ("iu", ""),
+    "episode": ("iu", ""),
+}
+
+
+def save_trajectory(trajectory: Trajectory, path: str | os.PathLike) -> None:
+    """Write an episode as an ``.npz`` file, whole or not at all; ``load_trajectory`` reads it.
+
+    Raises:
+        ValueError: when the episode is larger than what ``load_trajectory`` reads.
+        OSError: when the file cannot be written.
+    """
+    fields: dict = trajectory._asdict()
+    size = sum(np.asarray(value).nbytes for value in fields.values())
+    if size > _MOST_BYTES - _HEADS:
+        raise ValueError(
+            f"the episode has {size:,} bytes, but must have at most {_MOST_BYTES - _HEADS:,}:"
+            " keep fewer of its states"
+        )
+    # given an open file, NumPy does not add a suffix of its own
+    with whole_file(pathlib.Path(path)) as unfinished, unfinished.open("wb") as file:
+        np.savez_compressed(file, kind=_KIND, version=_VERSION, **fields)
+
+
+def load_trajectory(path: str | os.PathLike) -> Trajectory:
+    """Read an episode that ``save_trajectory`` wrote.
+
+    Raises:
+        ValueError: when the file is broken, cut short, of another kind or of another version.
+        OSError: when it cannot be opened.
+    """
+    with pathlib.Path(path).open("rb") as file:
+        try:
+            trajectory = _read(file)
+            _check(trajectory)
+        except Exception as error:  # what is broken may break the reading anywhere
+            raise ValueError(f"{path} is not a whole recorded episode: {one_line(error)}") from None
+    return trajectory
+
+
+def _read(file: BinaryIO) -> Trajectory:
+    try:
+        told = read_archive(file, {"kind": "U", "version": "i"}, _MOST_BYTES)
+    except ValueError as error:
+        raise ValueError(f"an archive of another kind: {error}") from None
+    if told["kind"].item() != _KIND:
+        raise ValueError("an archive of another kind")
+    if told["version"].shape or told["version"] != _VERSION:
+        raise ValueError(f"version {told['version']} of the layout, not {_VERSION}")
+    kinds = {name: kinds for name, (kinds, _) in _LAYOUT.items()}
+    arrays = read_archive(file, kinds, _MOST_BYTES, _check_shapes)
+    fields: dict[str, Any] = {
+        name: array if array.ndim else array.item() for name, array in arrays.items()
+    }
+    return Trajectory(**fields)
+
+
+def _check_shapes(heads: dict[str, Head]) -> None:
+    """Check the shapes before anything is read: of what belongs together they are the same."""
+    sizes = {"2": 2, "3": 3}
+    for name, (_, axes) in _LAYOUT.items():
+        shape = heads[name].shape
+        # the first array that has an axis says how long it is
+        if len(shape) != len(axes) or any(
+            sizes.setdefault(axis, size) != size for axis, size in zip(axes, shape, strict=True)
+        ):
+            raise ValueError(f"{name!r} is {heads[name].dtype} of shape {shape}")
+
+
+def _check(trajectory: Trajectory) -> None:
+    """Raise ValueError for contents that no episode has."""
+    havs, units = trajectory.length.shape
+    if not trajectory.x.size or not trajectory.goals.size:
+        raise ValueError("no state or no HAV")
+    present = np.arange(units) <= trajectory.num_trailers[:, None]
+    events = trajectory.first[:, 0, 1]  # the joints of jackknifes
+    others = np.concatenate([trajectory.evaded.ravel(), trajectory.first[:, 1:, 1].ravel()])
+    when = np.concatenate([trajectory.hit_step.ravel(), trajectory.first[..., 0].ravel()])
+    lengths = trajectory.length[present]
+    laws = {
+        "steps out of order": trajectory.step[0] >= 0 and (np.diff(trajectory.step) > 0).all(),
+        "an impossible number of trailers": (
+            (trajectory.num_trailers >= 1) & (trajectory.num_trailers < units)
+        ).all(),
+        "an impossible length": ((lengths > 0) & (lengths <= _FARTHEST)).all(),
+        "an impossible duration of a step": 0 < trajectory.dt <= _LONGEST,
+        "an impossible duration": trajectory.step[-1] * trajectory.dt <= _LONGEST,
+        "an impossible limit": (
+            (trajectory.articulation_max > 0) & (trajectory.articulation_max <= np.pi)
+        ).all(),
+        "a goal that there is not": (
+            (trajectory.phase >= 0) & (trajectory.phase < trajectory.goals.shape[1])
+        ).all(),
+        "a step that there is not": ((when >= NEVER) & (when <= trajectory.step[-1])).all(),
+        "a HAV that there is not": ((others >= NEVER) & (others < havs)).all(),
+        "a joint that there is not": ((events >= NEVER) & (events < units)).all(),
+        "a number that is too large or not finite": all(
+            (np.abs(values) <= _FARTHEST).all()
+            for values in (
+                trajectory.x,
+                trajectory.y,
+                trajectory.heading[:, present],
+                trajectory.footprint,
+                trajectory.goals,
+                # nothing is decided in the last state
+                np.nan_to_num(trajectory.speed, posinf=np.inf, neginf=-np.inf),
+                np.nan_to_num(trajectory.steering, posinf=np.inf, neginf=-np.inf),
+            )
+        ),
+        "a footprint below 0": (trajectory.footprint >= 0).all(),
+        "a name that cannot be shown": all(
+            name.isprintable() and len(name) <= _LONGEST_NAME
+            for name in (trajectory.policy, trajectory.scenario)
+        ),
+    }
+    for complaint, holds in laws.items():
+        if not holds:
+            raise ValueError(complaint)

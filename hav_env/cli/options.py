@@ -1,0 +1,117 @@
+"""Options from a command line, by tyro; what is wrong with them becomes one line."""
+
+import contextlib
+import io
+import sys
+from collections.abc import Callable
+from typing import TypeVar
+
+import tyro
+
+from hav_env.models.text import one_line
+
+Options = TypeVar("Options")
+
+
+def parse_options(
+    options_class: type[Options],
+    program: str,
+    description: str,
+    arguments: list[str],
+    default: Options | None = None,
+) -> Options:
+    """Return the options that a command line gives.
+
+    Args:
+        options_class: a dataclass or NamedTuple; its fields become the options.
+        program, description: stand in the help.
+        arguments: the words of the command line.
+        default: what the options are without any arguments.
+
+    Raises:
+        ValueError: when the arguments are wrong, saying how in one line.
+        SystemExit: after the help was asked for and printed.
+    """
+    complaint = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(complaint):
+            return tyro.cli(
+                options_class,
+                prog=program,
+                description=description,
+                args=arguments,
+                default=tyro.MISSING_NONPROP if default is None else default,
+            )
+    except SystemExit as stop:
+        if not stop.code:
+            raise
+        raise ValueError(_one_line(complaint.getvalue())) from None
+
+
+def run_command(
+    program: str,
+    description: str,
+    default: Options,
+    run: Callable[[Options], str],
+    words: list[str] | None = None,
+    interrupted: str = "the same command goes on where this one stopped",
+) -> int:
+    """Run what a command is for and print what it returns; what is wrong is said in one line.
+
+    Args:
+        program, description: stand in the help.
+        default: the options without any arguments.
+        run: takes the options.
+        words: of the command line, by default the process's.
+        interrupted: what is said then.
+
+    Returns:
+        The exit code: 0, 2 when something is wrong, 130 when interrupted.
+    """
+
+    def whole(words: list[str]) -> None:
+        print(run(parse_options(type(default), program, description, words, default)))
+
+    return report_errors(whole, words, interrupted)
+
+
+def report_errors(
+    run: Callable[[list[str]], None], words: list[str] | None, interrupted: str
+) -> int:
+    """Run a command; say what is wrong in one line.
+
+    Args:
+        run: takes the words of the command line.
+        words: of the command line, by default the process's.
+        interrupted: what is said then.
+
+    Returns:
+        The exit code: 0, 2 when something is wrong, 130 when interrupted.
+    """
+    try:
+        run(sys.argv[1:] if words is None else words)
+    except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
+        told = str(error) or type(error).__name__
+        print(f"error: {one_line(told)}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print(f"interrupted: {interrupted}", file=sys.stderr)
+        return 130
+    return 0
+
+
+def _one_line(text: str) -> str:
+    """Return what tyro says in its box, below the title and above the next rule.
+
+    The title stands in the upper edge, or on a line of its own where boxes cannot be drawn.
+    """
+    sections: list[list[str]] = [[]]
+    for line in text.splitlines():
+        words = line.strip("│╭╮╰╯─-| ")
+        if words and not line.startswith("╭"):
+            sections[-1].append(words)
+        elif not words and line.strip():
+            sections.append([])
+    told = [" ".join(section) for section in sections if section]
+    told = told[0 if text.lstrip().startswith("╭") else 1 :]
+    return told[0] if told else "cannot read the options"

@@ -1,0 +1,143 @@
+"""Gymnasium's single environments: HAVSwarm-v0, all HAVs as one actor; HAVSingle-v0, one HAV."""
+
+from typing import Any, Unpack
+
+import gymnasium as gym
+import numpy as np
+
+from hav_env.envs.screen import RENDER_FPS, RENDER_MODES
+from hav_env.envs.single_world import OfOneWorld, SingleWorld
+from hav_env.envs.views import EgoView, JointView, Team
+from hav_env.mdp.actions import read_action
+from hav_env.mdp.advance import TERMINATED, TRUNCATED, Outcome
+from hav_env.mdp.decision_process import Settings
+
+
+class _WorldEnv(OfOneWorld, gym.Env):
+    """What both environments share."""
+
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
+
+    def __init__(self, world: SingleWorld, view: JointView | EgoView) -> None:
+        self._world, self._view = world, view
+        self.render_mode = world.screen.render_mode
+        self.observation_space, self.action_space = view.observation_space, view.action_space
+        self._shape = self.action_space.shape
+        self._joint = 1, world.process.num_controlled, 2
+        self._over = self._warned = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode; a reset that is refused changes nothing.
+
+        Args:
+            seed: begins with the first episode of this seed; None goes on to the next one.
+            options: as for ``SingleWorld.plan``.
+
+        Raises:
+            ValueError, TypeError: naming what is wrong with seed or options.
+        """
+        plan = self._world.plan(seed, options, self.np_random)
+        super().reset(seed=None if seed is None else int(seed))
+        told = self._world.begin(plan)
+        self._over = self._warned = False
+        self._show()
+        return self._view.observations(told.observation)[0], self._info(told)
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Take an action. After the end of an episode the world goes on, with one warning.
+
+        Raises:
+            TypeError: when the action is anything but real numbers.
+            ValueError: when its shape is wrong or a number is not finite.
+            RuntimeError: before the first ``reset``.
+        """
+        actions = read_action("the action", action, self._shape)
+        if self._over and not self._warned:
+            self._warned = True
+            gym.logger.warn("the episode has ended: call reset before step", stacklevel=2)
+        told = self._world.step(actions.reshape(self._joint))
+        terminated, truncated = bool(told.ends[TERMINATED, 0]), bool(told.ends[TRUNCATED, 0])
+        self._over = terminated or truncated
+        self._show()
+        view = self._view
+        return (
+            view.observations(told.observation)[0],
+            view.reward(told.numbers[-1, :, 0].tolist()),
+            terminated,
+            truncated,
+            self._info(told),
+        )
+
+    def _info(self, told: Outcome) -> dict[str, Any]:
+        raise NotImplementedError
+
+
+class HAVSwarmEnv(_WorldEnv):
+    """All HAVs of a world under joint control, the paper's pair by default.
+
+    Observation (N, D), columns as in docs/environments.md; action (N, 2): speed from 0 to maximum
+    and steering from right to left, each from -1 to 1; reward: one number. Info: arrays (N,). For
+    agents that learn one by one: ``hav_env.parallel_env`` and ``hav_env.envs.stable_baselines3``.
+    """
+
+    def __init__(
+        self,
+        render_mode: str | None = None,
+        team_reward: Team = "mean",
+        flatten: bool = False,
+        **settings: Unpack[Settings],
+    ) -> None:
+        """Build the environment.
+
+        Args:
+            render_mode: None, "human", "rgb_array" or "ansi".
+            team_reward: how the HAVs' rewards become one: "mean", "sum" or "min".
+            flatten: spaces with one axis, (N * D,) and (N * 2,).
+            settings: as of ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
+                task, its rules, vehicle, observation, reward, frame_skip.
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        world = SingleWorld(render_mode, **settings)
+        super().__init__(world, JointView(world.process, team_reward, flatten))
+
+    def _info(self, told: Outcome) -> dict[str, Any]:
+        # the last number, the reward, has no name
+        return dict(zip(self._world.process.info, told.numbers[..., 0], strict=False))
+
+
+class HAVSingleEnv(_WorldEnv):
+    """One HAV, alone by default: the paper's single-HAV task.
+
+    Observation (D,), action (2,), columns and units as of ``HAVSwarmEnv``. Info: numbers. Among
+    others (``num_havs``), the episode ends when this HAV has hit its last goal; goals change when
+    all HAVs have hit the one under way.
+    """
+
+    def __init__(
+        self,
+        render_mode: str | None = None,
+        others: Any = None,
+        **settings: Unpack[Settings],
+    ) -> None:
+        """Build the environment.
+
+        Args:
+            render_mode: None, "human", "rgb_array" or "ansi".
+            others: the policy that drives the other HAVs: its name ("avoid_jack") or an object;
+                without one they stand.
+            settings: as of ``hav_env.mdp.decision_process.DecisionProcess``.
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        settings.setdefault("scenario", "paper-single")
+        world = SingleWorld(render_mode, 1, others, **settings)
+        super().__init__(world, EgoView(world.process))
+
+    def _info(self, told: Outcome) -> dict[str, Any]:
+        # the last number, the reward, has no name
+        return dict(zip(self._world.process.info, told.numbers.ravel().tolist(), strict=False))

@@ -1,0 +1,247 @@
+"""Gymnasium's vector environments: W compiled worlds, stepped together."""
+
+import numbers
+from collections.abc import Mapping
+from typing import Any, Unpack
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from hav_env.envs.screen import RENDER_FPS, Screen
+from hav_env.envs.views import EgoView, JointView, Team
+from hav_env.maths.random_numbers import SEED_LIMIT
+from hav_env.mdp.actions import read_action
+from hav_env.mdp.advance import TERMINATED, TRUNCATED
+from hav_env.mdp.decision_process import DecisionProcess, Settings, warn_of_unknown
+from hav_env.models.checks import check_value
+from hav_env.models.quantities import Worlds
+from hav_env.simulator.batch import check_seed
+
+_MODES = ["rgb_array", "ansi"]  # a window shows one world: that of a single environment
+
+
+class _WorldsVectorEnv(VectorEnv):
+    """What both environments share."""
+
+    metadata: dict[str, Any] = {"render_modes": _MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
+
+    def __init__(
+        self,
+        process: DecisionProcess,
+        view: JointView | EgoView,
+        autoreset_mode: AutoresetMode | str,
+        render_mode: str | None,
+    ) -> None:
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {**type(self).metadata, "autoreset_mode": self.autoreset_mode}
+        self._process, self._view = process, view
+        self._screen = Screen(render_mode, process.batch, _MODES)
+        self.render_mode = render_mode
+        self.num_envs = process.num_worlds
+        self.single_observation_space = view.observation_space
+        self.single_action_space = view.action_space
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._shape = self.num_envs, *view.action_space.shape
+        self._masks = tuple(f"_{name}" for name in process.info)
+        self._seeds: np.ndarray | None = None
+        self._episodes = np.zeros(self.num_envs, np.int64)
+        self._over = np.zeros(self.num_envs, np.bool_)
+
+    def reset(  # type: ignore[override]
+        self,
+        *,
+        seed: int | list[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin episodes.
+
+        Args:
+            seed: of world 0, the others follow; or a list, one for each world. A world begins with
+                the first episode of its seed; with None it goes on to the next one. World w of seed
+                s is world w - 1 of seed s + 1: for other episodes in every run, take seeds that are
+                ``num_envs`` apart, or a list.
+            options: "reset_mask": (W,) bool, the worlds to reset; the others go on.
+
+        Raises:
+            ValueError, TypeError: naming what is wrong with seed or options.
+        """
+        chosen, seeds = self._chosen(options), self._read_seeds(seed)
+        super().reset(seed=int(seed) if isinstance(seed, numbers.Integral) else None)
+        self._set_keys(seeds, chosen)
+        told = self._process.outcome()
+        self._begin(chosen)
+        self._over = self._over & ~chosen
+        self._process.look(np.ones_like(chosen), told)
+        told.numbers[:, :, ~chosen] = 0.0
+        return self._view.observations(told.observation), self._info(told.numbers, chosen)
+
+    def step(
+        self, actions: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Take one action in every world.
+
+        Raises:
+            TypeError: when the actions are no numbers.
+            ValueError: when the shape is wrong or a number is not finite.
+            RuntimeError: before the first ``reset``, or after one that failed; with autoreset
+                disabled, where a world whose episode has ended was not reset.
+            PlacementError: when the next episode of a world cannot begin; ``reset`` must follow.
+        """
+        actions = read_action("the array of actions", actions, self._shape)
+        if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
+            ended = np.flatnonzero(self._over).tolist()
+            raise RuntimeError(f"reset the worlds {ended} first: their episodes have ended")
+        told = self._process.step(actions.reshape(self.num_envs, -1, 2))
+        final: dict[str, Any] = {}
+        if self.autoreset_mode == AutoresetMode.NEXT_STEP and self._over.any():
+            self._begin_next(self._over)
+            self._process.look(self._over, told)
+        terminated, truncated = told.ends[TERMINATED].copy(), told.ends[TRUNCATED].copy()
+        rewards = np.array(self._view.rewards(told.numbers[-1]))
+        self._over = terminated | truncated
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and self._over.any():
+            final = self._final(told)
+            self._begin_next(self._over)
+            self._process.look(self._over, told)
+        everywhere = np.ones(self.num_envs, np.bool_)
+        info = final | self._info(told.numbers, everywhere)
+        return self._view.observations(told.observation), rewards, terminated, truncated, info
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of the observation of a HAV."""
+        return self._process.columns
+
+    def render(self) -> tuple[Any, ...] | None:
+        """Return what is seen of each world: frames (H, W, 3), or lines of text."""
+        if self.render_mode is None:
+            return None
+        self._process.require_episodes("render")
+        return tuple(self._screen.show(w) for w in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Let go of the viewers."""
+        self._screen.close()
+
+    def _chosen(self, options: dict[str, Any] | None) -> np.ndarray:
+        options = {} if options is None else options
+        if not isinstance(options, Mapping):
+            raise TypeError(f"options is {options!r}, but must be a dict or None")
+        warn_of_unknown(options, ("reset_mask",))
+        if "reset_mask" not in options:
+            return np.ones(self.num_envs, np.bool_)
+        mask = options["reset_mask"]
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError(f"reset_mask is {mask!r}, but must be an array of bool")
+        if mask.shape != (self.num_envs,):
+            raise ValueError(f"reset_mask has shape {mask.shape}, but must have ({self.num_envs},)")
+        if not mask.any():
+            raise ValueError("reset_mask is all false, but must be true for at least one world")
+        return mask.copy()
+
+    def _read_seeds(self, seed: Any) -> list[int | None]:
+        """Return the seed of each world, None where its episodes go on."""
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, list | tuple | np.ndarray):
+            seeds = list(seed)
+            if len(seeds) != self.num_envs:
+                raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} worlds")
+            for own in seeds:
+                if own is not None:
+                    check_seed(own)
+            return [None if own is None else int(own) for own in seeds]
+        check_seed(seed)
+        if int(seed) + self.num_envs > SEED_LIMIT:
+            most = f"{SEED_LIMIT - self.num_envs}, for world w takes seed + w"
+            raise ValueError(f"seed is {seed}, but must be at most {most}")
+        return [int(seed) + w for w in range(self.num_envs)]
+
+    def _set_keys(self, seeds: list[int | None], chosen: np.ndarray) -> None:
+        """Set seed and number of the episodes that are about to begin."""
+        fresh = self._seeds is None
+        if self._seeds is None:
+            self._seeds = self.np_random.integers(SEED_LIMIT, size=self.num_envs)
+        for w in np.flatnonzero(chosen):
+            own = seeds[w]
+            self._episodes[w] = 0 if fresh or own is not None else self._episodes[w] + 1
+            if own is not None:
+                self._seeds[w] = own
+
+    def _begin_next(self, chosen: np.ndarray) -> None:
+        self._episodes[chosen] += 1
+        self._begin(chosen)
+
+    def _begin(self, chosen: np.ndarray) -> None:
+        assert self._seeds is not None
+        self._process.begin(self._seeds, self._episodes, chosen)
+        self._screen.forget(chosen)
+
+    def _info(self, numbers: np.ndarray, chosen: np.ndarray) -> dict[str, Any]:
+        """Return all numbers by name, with masks of the worlds that they are about."""
+        values = self._view.numbers(numbers[:-1])
+        info = dict(zip(self._process.info, values, strict=True))
+        return info | dict.fromkeys(self._masks, chosen)
+
+    def _final(self, told: Any) -> dict[str, Any]:
+        """Return what was seen and reported at the end of the episodes that are over."""
+        over = self._over.copy()  # the caller's, like all that is returned
+        observations = np.full(self.num_envs, None, object)
+        for w in np.flatnonzero(over):
+            observations[w] = self._view.observations(told.observation)[w].copy()
+        numbers = np.where(over, told.numbers, 0.0)
+        return {
+            "final_obs": observations,
+            "_final_obs": over,
+            "final_info": self._info(numbers, over),
+            "_final_info": over.copy(),
+        }
+
+
+class HAVSwarmVectorEnv(_WorldsVectorEnv):
+    """W times ``HAVSwarmEnv``, step for step the same; info: arrays (W, N)."""
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        team_reward: Team = "mean",
+        flatten: bool = False,
+        **settings: Unpack[Settings],
+    ) -> None:
+        """Build the environments.
+
+        Args:
+            num_envs: W.
+            autoreset_mode: when a world whose episode has ended begins the next one.
+            render_mode: None, "rgb_array" or "ansi".
+            team_reward, flatten, settings: as for ``HAVSwarmEnv``.
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        check_value("num_envs", Worlds, num_envs)
+        process = DecisionProcess(num_envs, **settings)
+        view = JointView(process, team_reward, flatten)
+        super().__init__(process, view, autoreset_mode, render_mode)
+
+
+class HAVSingleVectorEnv(_WorldsVectorEnv):
+    """W times ``HAVSingleEnv``, step for step the same; info: arrays (W,)."""
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        others: Any = None,
+        **settings: Unpack[Settings],
+    ) -> None:
+        """Build the environments; arguments as for ``HAVSwarmVectorEnv`` and ``HAVSingleEnv``."""
+        settings.setdefault("scenario", "paper-single")
+        check_value("num_envs", Worlds, num_envs)
+        process = DecisionProcess(num_envs, 1, others, **settings)
+        super().__init__(process, EgoView(process), autoreset_mode, render_mode)

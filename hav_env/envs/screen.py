@@ -1,0 +1,65 @@
+"""Where environments show their worlds: pygame is loaded by those that draw, and by no others."""
+
+from typing import Any
+
+import numpy as np
+
+from hav_env.models.annotations import show
+from hav_env.simulator.batch import Batch
+
+RENDER_MODES = ["human", "rgb_array", "ansi"]
+RENDER_FPS = 30
+_DRAWN = ("human", "rgb_array")
+
+
+class Screen:
+    """Shows the worlds of a batch in one mode, with a viewer for each that is asked for."""
+
+    def __init__(
+        self, render_mode: str | None, batch: Batch, modes: list[str] = RENDER_MODES
+    ) -> None:
+        """Show nothing yet.
+
+        Raises:
+            ValueError: when the mode is not None or one of ``modes``.
+            ImportError: when the mode needs pygame-ce, which is missing.
+        """
+        known = isinstance(render_mode, str) and render_mode in modes
+        if render_mode is not None and not known:
+            told = f"render_mode is {show(render_mode)}"
+            raise ValueError(f"{told}, but must be None or one of {', '.join(modes)}")
+        if render_mode in _DRAWN:
+            import hav_env.rendering.viewer  # noqa: F401, PLC0415  see above
+        self.render_mode, self._batch = render_mode, batch
+        self._viewers: dict[int, Any] = {}
+
+    def show(self, w: int = 0) -> np.ndarray | str | None:
+        """Return what is seen of a world: an array (H, W, 3), a line of text, or None (a window).
+
+        Raises:
+            OSError: when there is no display for a window.
+        """
+        if self.render_mode is None:
+            return None
+        from hav_env.rendering.scene import describe, scene_of  # noqa: PLC0415  (see above)
+
+        scene = scene_of(self._batch.worlds, w, self._batch.task.dt)
+        if self.render_mode == "ansi":
+            return describe(scene)
+        if w not in self._viewers:
+            from hav_env.rendering.viewer import Viewer  # noqa: PLC0415
+
+            self._viewers[w] = Viewer(self.render_mode, frames_per_second=RENDER_FPS)
+        return self._viewers[w].draw(scene)
+
+    def forget(self, worlds: np.ndarray) -> None:
+        """Begin anew in the worlds (W,) that are true: no trails of the episode before."""
+        for w, viewer in self._viewers.items():
+            if worlds[w]:
+                viewer.forget()
+
+    def close(self) -> None:
+        """Close all windows."""
+        for viewer in self._viewers.values():
+            viewer.close()
+        self._viewers.clear()

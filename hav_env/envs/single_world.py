@@ -1,0 +1,205 @@
+"""One world for environments that step one: its episodes, what may be written into it, pictures."""
+
+import copy
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hav_env.envs.screen import Screen
+from hav_env.maths.random_numbers import SEED_LIMIT, Seed
+from hav_env.mdp.advance import Outcome
+from hav_env.mdp.decision_process import DecisionProcess, warn_of_unknown
+from hav_env.models.annotations import show
+from hav_env.models.checks import check_value
+from hav_env.scenarios import Explicit, explicit
+from hav_env.simulator.batch import begin_worlds, check_placed, check_seed
+from hav_env.simulator.transition import begin
+from hav_env.world.arrays import ARTICULATION, SPEED, STEERING
+
+_HERE = np.ones(1, np.bool_)
+_WRITTEN = ("lengths", "start", "goals")  # options that are written into a world
+
+
+class Plan(NamedTuple):
+    """An episode that may begin: everything about it has been checked."""
+
+    key: tuple[int, int]
+    """Seed and number."""
+    written: Explicit | None
+    """What is to be in place of what the scenario draws."""
+
+
+class SingleWorld:
+    """A decision process of one world.
+
+    The first episode of seed s is number 0 of that seed, the next one number 1, and so on: the
+    pair (s, k) names the same episode as in a rollout.
+    """
+
+    def __init__(
+        self,
+        render_mode: str | None,
+        controlled: int | None = None,
+        others: Any = None,
+        /,
+        **arguments: Any,
+    ) -> None:
+        """Build the world.
+
+        Args:
+            render_mode: how the screen shows it.
+            controlled, others, arguments: as of ``DecisionProcess``.
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        self.process = DecisionProcess(1, controlled, others, **arguments)
+        self.screen = Screen(render_mode, self.process.batch)
+        self._key: tuple[int, int] | None = None  # of the last episode
+
+    def plan(
+        self, seed: int | None, options: Mapping[str, Any] | None, generator: np.random.Generator
+    ) -> Plan:
+        """Check what a reset was given and return which episode it asks for; nothing changes.
+
+        Args:
+            seed: asks for the first episode of this seed; None for the one after the last.
+            options: "episode": its number. "lengths", "start", "goals": as for ``explicit``, what
+                is to be instead of what the scenario draws. Others are ignored, with a warning.
+            generator: draws the seed when none was ever given.
+
+        Raises:
+            ValueError, TypeError: naming what is wrong with seed or options.
+            PlacementError: when the scenario has no room for HAVs of which only a part is written.
+        """
+        if seed is not None:
+            check_seed(seed)
+        given = _read_options(options)
+        warn_of_unknown(given, ("episode", *_WRITTEN))
+        if seed is not None:
+            key = int(seed), 0
+        else:
+            if self._key is None:  # a refused reset does not draw again: the next one has this seed
+                self._key = int(generator.integers(SEED_LIMIT)), -1
+            key = self._key[0], self._key[1] + 1
+        if "episode" in given:
+            key = key[0], _read_episode(given["episode"])
+        written = {name: given[name] for name in _WRITTEN if name in given}
+        return Plan(key, self._write(written, key) if written else None)
+
+    def begin(self, plan: Plan) -> Outcome:
+        """Begin an episode.
+
+        Raises:
+            PlacementError: when the scenario has no room; the next reset takes the next number.
+        """
+        self._key = plan.key
+        told = self.process.outcome()
+        keys = np.array([plan.key], np.int64).T
+        self.process.begin(keys[0], keys[1], _HERE)
+        if plan.written is not None:
+            batch = self.process.batch
+            begin(plan.written, batch.task, batch.worlds, 0, *plan.key)
+        self.process.look(_HERE, told)
+        self.screen.forget(_HERE)
+        return told
+
+    def step(self, actions: np.ndarray) -> Outcome:
+        """Take an action (1, C, 2), finite float64, contiguous.
+
+        Raises:
+            RuntimeError: before the first episode has begun.
+        """
+        return self.process.step(actions)
+
+    def require_episode(self, what: str) -> None:
+        """Raise RuntimeError, naming what the user called, unless an episode has begun."""
+        self.process.require_episodes(what)
+
+    def _write(self, written: dict[str, Any], key: tuple[int, int]) -> Explicit:
+        """Return what an episode is with other lengths, start poses or goals."""
+        batch, scenario = self.process.batch, self.process.batch.scenario
+        # the episode is drawn beside the world, which stays as it is until all has been checked
+        worlds, placed = copy.deepcopy(batch.worlds), np.zeros(1, np.bool_)
+        keys = np.array([key], np.int64).T
+        begin_worlds(1, scenario, batch.task, worlds, keys[0], keys[1], placed, threads=1)
+        check_placed(placed, scenario)
+        state, fleet, goals = worlds.state, worlds.fleet, worlds.goals
+        drawn = {
+            "lengths": [
+                fleet.length[agent, : fleet.num_trailers[agent, 0] + 1, 0].tolist()
+                for agent in range(scenario.num_havs)
+            ],
+            "start": np.stack([state.x[:, 0], state.y[:, 0], state.heading[:, 0, 0]], axis=-1),
+            "goals": goals[..., 0],
+        }
+        limit = fleet.limit[0, :, 0]
+        found = explicit(
+            **drawn | written,
+            speed_max=limit[SPEED],
+            steering_max=limit[STEERING],
+            articulation_max=limit[ARTICULATION],
+            footprint_truck_share=getattr(scenario, "fleet", scenario).footprint_truck_share,
+        )
+        for field, name in (("num_havs", "HAVs"), ("num_goals", "goals of each HAV")):
+            if getattr(found, field) != getattr(scenario, field):
+                least = getattr(scenario, field)
+                raise ValueError(f"reset got {getattr(found, field)} {name}, but needs {least}")
+        if found.max_trailers > scenario.max_trailers:
+            raise ValueError(
+                f"reset got a HAV with {found.max_trailers} trailers, but this environment has"
+                f" room for {scenario.max_trailers}"
+            )
+        return found
+
+
+def _read_options(options: Any) -> dict[str, Any]:
+    """Return the options of a reset that have a value."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise TypeError(f"options is {show(options)}, but must be a dictionary or None")
+    for name in options:
+        if not isinstance(name, str):
+            raise TypeError(f"options has the key {show(name)}, but all keys must be strings")
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def _read_episode(episode: Any) -> int:
+    check_value("episode", Seed, episode)
+    return int(episode)
+
+
+class OfOneWorld:
+    """What environments of one world have in common, whatever their interface."""
+
+    _world: SingleWorld
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of the observation of a HAV."""
+        return self._world.process.columns
+
+    @property
+    def scenario(self) -> Any:
+        """Who starts where and must go where."""
+        return self._world.process.batch.scenario
+
+    def render(self) -> Any:
+        """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window).
+
+        Raises:
+            RuntimeError: before the first ``reset``.
+            OSError: when there is no display for a window.
+        """
+        self._world.require_episode("render")
+        return self._world.screen.show()
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._world.screen.close()
+
+    def _show(self) -> None:
+        if self._world.screen.render_mode == "human":
+            self._world.screen.show()

@@ -1,0 +1,105 @@
+"""How a decision process is shown to Gymnasium: all HAVs as one actor, or the first one alone."""
+
+import functools
+import operator
+from typing import Literal, get_args
+
+import numpy as np
+from gymnasium import spaces
+
+from hav_env.mdp.decision_process import DecisionProcess
+from hav_env.models.annotations import show
+from hav_env.observation import bounds_of
+
+Team = Literal["mean", "sum", "min"]
+
+
+def observation_box(process: DecisionProcess, *shape: int) -> spaces.Box:
+    """Return the space of observations (*shape, D)."""
+    low, high = np.array([bounds_of(name) for name in process.columns], np.float32).T
+    return spaces.Box(
+        np.broadcast_to(low, (*shape, low.size)).copy(),
+        np.broadcast_to(high, (*shape, low.size)).copy(),
+        dtype=np.float32,
+    )
+
+
+def action_box(*shape: int) -> spaces.Box:
+    """Return the space of actions (*shape, 2): speed and steering."""
+    return spaces.Box(-1.0, 1.0, (*shape, 2), np.float32)
+
+
+def _flat(box: spaces.Box) -> spaces.Box:
+    return spaces.Box(box.low.ravel(), box.high.ravel(), dtype=np.float32)
+
+
+class JointView:
+    """All HAVs of a world are one actor: observation (N, D), action (N, 2), one reward."""
+
+    def __init__(self, process: DecisionProcess, team_reward: Team, flatten: bool) -> None:
+        """Show a process; ``flatten`` makes spaces with one axis.
+
+        Raises:
+            ValueError: when ``team_reward`` is not known; TypeError: when ``flatten`` is no bool.
+        """
+        if not isinstance(team_reward, str) or team_reward not in get_args(Team):
+            known = ", ".join(get_args(Team))
+            raise ValueError(f"team_reward is {show(team_reward)}, but must be one of {known}")
+        if not isinstance(flatten, bool):
+            raise TypeError(f"flatten is {show(flatten)}, but must be True or False")
+        self.team_reward = team_reward
+        self.observation_space = observation_box(process, process.num_havs)
+        self.action_space = action_box(process.num_havs)
+        if flatten:
+            self.observation_space = _flat(self.observation_space)
+            self.action_space = _flat(self.action_space)
+        self._shape = self.observation_space.shape
+
+    def observations(self, observation: np.ndarray) -> np.ndarray:
+        """Return (W, *shape of the space) of (W, N, D)."""
+        return observation.reshape(-1, *self._shape)
+
+    def rewards(self, reward: np.ndarray) -> np.ndarray:
+        """Return (W,) of (N, W); one HAV is added after the other, whatever W is."""
+        if self.team_reward == "min":
+            return reward.min(axis=0)
+        total = reward[0].copy()
+        for own in reward[1:]:
+            total += own
+        return total if self.team_reward == "sum" else total / len(reward)
+
+    def reward(self, reward: list[float]) -> float:
+        """Return the same for one world, of (N,): the same bits."""
+        if self.team_reward == "min":
+            return min(reward)
+        total = functools.reduce(operator.add, reward)
+        return total if self.team_reward == "sum" else total / len(reward)
+
+    def numbers(self, info: np.ndarray) -> np.ndarray:
+        """Return (K, W, N) of (K, N, W)."""
+        return info.transpose(0, 2, 1)
+
+
+class EgoView:
+    """The first HAV of a world is the actor: observation (D,), action (2,)."""
+
+    def __init__(self, process: DecisionProcess) -> None:
+        """Show a process."""
+        self.observation_space = observation_box(process)
+        self.action_space = action_box()
+
+    def observations(self, observation: np.ndarray) -> np.ndarray:
+        """Return (W, D) of (W, 1, D)."""
+        return observation[:, 0]
+
+    def rewards(self, reward: np.ndarray) -> np.ndarray:
+        """Return (W,) of (1, W)."""
+        return reward[0]
+
+    def reward(self, reward: list[float]) -> float:
+        """Return the one of (1,)."""
+        return reward[0]
+
+    def numbers(self, info: np.ndarray) -> np.ndarray:
+        """Return (K, W) of (K, 1, W)."""
+        return info[:, 0]

@@ -1,0 +1,76 @@
+"""Actions in physical units: speed in m/s and steering in rad, in place of -1 to 1."""
+
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from pettingzoo.utils.wrappers import BaseParallelWrapper
+
+from hav_env.envs.gymnasium_single import HAVSingleEnv, HAVSwarmEnv
+from hav_env.envs.hav_swarm_v0 import HAVSwarmParallelEnv
+from hav_env.mdp.actions import check_mapping, read_action
+
+
+class _Units:
+    """Turns m/s and rad into -1 to 1; all HAVs of a scenario have the same limits."""
+
+    def __init__(self, env: HAVSwarmEnv | HAVSingleEnv | HAVSwarmParallelEnv) -> None:
+        scenario = env.scenario
+        limits = getattr(scenario, "fleet", scenario)
+        self.most = np.array([limits.speed_max, limits.steering_max])
+
+    def box(self, shape: tuple[int, ...]) -> spaces.Box:
+        """Return the space of actions in physical units."""
+        pairs = np.prod(shape, dtype=int) // 2
+        low, high = np.tile(self.most * [0.0, -1.0], pairs), np.tile(self.most, pairs)
+        return spaces.Box(low.reshape(shape), high.reshape(shape), dtype=np.float64)
+
+    def normalize(self, name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
+        """Return an action (..., 2) or (2 N,) from -1 to 1.
+
+        Raises:
+            TypeError, ValueError: as of ``read_action``, whose arguments these are.
+        """
+        action = read_action(name, action, shape)
+        shares = action.reshape(-1, 2) / self.most
+        return (shares * [2.0, 1.0] - [1.0, 0.0]).reshape(action.shape)
+
+
+class PhysicalActions(gym.ActionWrapper):
+    """HAVSwarm-v0 or HAVSingle-v0 with speed [m/s] and steering [rad] as actions."""
+
+    def __init__(self, env: gym.Env) -> None:
+        """Wrap an environment, however deep it is wrapped already."""
+        super().__init__(env)
+        self._units = _Units(env.unwrapped)  # type: ignore[arg-type]
+        assert isinstance(env.action_space, spaces.Box)
+        self.action_space = self._units.box(env.action_space.shape)
+
+    def action(self, action: Any) -> np.ndarray:
+        """Return the action that the environment takes."""
+        assert self.action_space.shape is not None
+        return self._units.normalize("the action", action, self.action_space.shape)
+
+
+class PhysicalParallelActions(BaseParallelWrapper):
+    """The PettingZoo environment with speed [m/s] and steering [rad] as actions."""
+
+    def __init__(self, env: HAVSwarmParallelEnv) -> None:
+        """Wrap an environment."""
+        super().__init__(env)
+        self._units = _Units(env)
+        self._spaces = {agent: self._units.box((2,)) for agent in env.possible_agents}
+
+    def action_space(self, agent: str) -> spaces.Box:
+        """Return the space of an agent's actions."""
+        return self._spaces[agent]
+
+    def step(self, actions: dict[str, Any]) -> Any:
+        """Take one action of every agent."""
+        check_mapping(actions)
+        normal = {
+            agent: self._units.normalize(f"the action of {agent}", action, (2,))
+            for agent, action in actions.items()
+        }
+        return super().step(normal)

@@ -1,0 +1,122 @@
+"""Score policies on the same episodes: one table of figures, and differences between policies."""
+
+import pathlib
+from typing import NamedTuple
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from hav_env.evaluation.statistics import Interval, mean, paired_difference, wilson
+from hav_env.models.text import visible
+
+
+class Figure(NamedTuple):
+    """One column of the comparison: what it is called and which rows of the table it is about."""
+
+    name: str
+    column: str
+    percent: bool  # a share of all HAVs; otherwise a mean over the HAVs that have a value
+    more_is_better: bool
+
+
+def figures_of(table: pa.Table) -> list[Figure]:
+    """Return the figures that a table has: the paper's, then times, lengths and articulation."""
+    goals = range(1, 1 + sum(name.endswith("_dubins_length") for name in table.column_names))
+    figures = [Figure("jackknifed", "jackknifed", True, False)]
+    figures += [Figure(f"goal {g} hit", f"goal_{g}_hit", True, True) for g in goals]
+    if pc.max(table["hav"]).as_py() > 0:
+        figures += [
+            Figure("potential collision", "potential_collision", True, False),
+            Figure("actual collision", "actual_collision", True, False),
+        ]
+    figures += [Figure("folded through", "folded_through", True, False)]
+    figures += [Figure(f"goal {g} step", f"goal_{g}_step", False, False) for g in goals]
+    figures += [Figure(f"goal {g} driven / Dubins", f"goal_{g}_length_ratio", False, False)
+                for g in goals]  # fmt: skip
+    return [*figures, Figure("largest articulation [rad]", "largest_articulation", False, False)]
+
+
+def values_of(table: pa.Table, figure: Figure) -> np.ndarray:
+    """Return the values of a figure for every row, nan where there is none."""
+    return table[figure.column].cast(pa.float64()).to_numpy(zero_copy_only=False)
+
+
+def measure(table: pa.Table, figure: Figure) -> Interval:
+    """Return a figure with its 95 % interval: Wilson for shares, normal for means."""
+    values = values_of(table, figure)
+    return wilson(int(values.sum()), values.size) if figure.percent else mean(values)
+
+
+class Score(NamedTuple):
+    """A figure of a policy, and how much it differs from the first policy's."""
+
+    policy: str
+    figure: Figure
+    measured: Interval
+    difference: Interval | None
+    """On the same HAVs of the same episodes; None for the first policy."""
+
+
+def score(names: list[str], tables: list[pa.Table]) -> list[list[Score]]:
+    """Return the scores of all policies, a list for each figure."""
+    first = tables[0]
+    episodes = first["episode"].to_numpy()
+    rows = []
+    for figure in figures_of(first):
+        reference = values_of(first, figure)
+        rows.append([Score(names[0], figure, measure(first, figure), None)])
+        for name, table in zip(names[1:], tables[1:], strict=True):
+            difference = paired_difference(episodes, values_of(table, figure), reference)
+            rows[-1].append(Score(name, figure, measure(table, figure), difference))
+    return rows
+
+
+def compare(names: list[str], tables: list[pa.Table]) -> list[list[str]]:
+    """Return the rows of a comparison: figure, then each policy's value.
+
+    Behind every policy but the first stands how much it differs from the first on the same HAVs of
+    the same episodes, with its 95 % interval, and a star where that interval excludes zero.
+    """
+    rows = [["", *names]]
+    for scores in score(names, tables):
+        cells = []
+        for _, figure, measured, difference in scores:
+            behind = "" if difference is None else f"; {_signed(difference, figure)}"
+            cells.append(f"{measured.show(figure.percent)}{behind}")
+        rows.append([scores[0].figure.name, *cells])
+    return rows
+
+
+def tabulate_scores(scores: list[list[Score]]) -> pa.Table:
+    """Return scores as a table, one row for each policy and figure.
+
+    Columns: ``policy``, ``figure``, ``value``, ``low``, ``high`` (95 %), ``size`` (observations),
+    and the same of the difference from the first policy, ``difference_...``, null for that one.
+    """
+    rows = []
+    for one in (one for row in scores for one in row):
+        names = {"policy": visible(one.policy), "figure": one.figure.name}
+        told = names | one.measured._asdict()
+        difference = one.difference or Interval(None, None, None, 0)  # type: ignore[arg-type]
+        rows.append(told | {f"difference_{k}": v for k, v in difference._asdict().items()})
+    return pa.Table.from_pylist(rows)
+
+
+def _signed(difference: Interval, figure: Figure) -> str:
+    if difference.size == 0:
+        return "no common HAVs"
+    scale, unit = (100, " pp") if figure.percent else (1, "")
+    low, value, high = (scale * x for x in (difference.low, difference.value, difference.high))
+    star = "" if low <= 0 <= high else " *"
+    return f"{value:+.3g}{unit} [{low:+.3g}, {high:+.3g}]{star}"
+
+
+def read_columns(path: pathlib.Path) -> pa.Table:
+    """Read the columns that the figures need of a table on disk."""
+    names = pq.read_schema(path).names
+    needed = ("jackknifed", "folded_through", "episode", "hav", "largest_articulation")
+    endings = ("_collision", "_hit", "_step", "_length_ratio", "_dubins_length")
+    kept = [name for name in names if name in needed or name.endswith(endings)]
+    return pq.read_table(path, columns=kept)

@@ -1,0 +1,182 @@
+"""Whole episodes in a closed loop, compiled, and the table of what happened in them."""
+
+import functools
+
+import numpy as np
+import pyarrow as pa
+
+from hav_env.compiled import (
+    VECTOR,
+    canonical,
+    default_threads,
+    entry,
+    kernel,
+    rare_kernel,
+    run_on_threads,
+)
+from hav_env.evaluation.episode_table import tabulate
+from hav_env.policies.interface import act_all, allocate_memory, check_models
+from hav_env.simulator.batch import Batch, read_episodes
+from hav_env.simulator.transition import ended, remove_arrived, step
+from hav_env.vehicles import OnAxle
+from hav_env.world.arrays import FEW, PHASE, allocate_worlds
+from hav_env.world.lanes import LANES, block_of, exchange_lanes, exchange_worlds
+from hav_env.world.task import Task
+
+_SHARES = 4  # of each thread
+_MUCH = 100  # numbers that a HAV remembers
+
+
+@entry
+def rollout_worlds(
+    first, last, policy, task, vehicle, worlds, order, stage, places, memory, speed, steering
+):
+    """Run the episodes that have begun in ``worlds[order[first:last]]`` to their ends.
+
+    They take turns in the lanes of the stage: a lane whose episode ended takes the next one, and
+    when there is none, the last lane takes its place.
+
+    Args:
+        policy, task, vehicle: as in ``rollout``.
+        worlds: all episodes, each in its place; what happened in them is found there at the end.
+        order: (W,) in which order they are run.
+        stage: the worlds that are run at a time; places: (W,) whose episodes they are.
+        memory, speed, steering: of the stage.
+    """
+    waiting, active = first, 0
+    while waiting < last and active < stage.lanes:
+        places[active] = order[waiting]
+        exchange_worlds(worlds, places[active], stage, active)
+        waiting, active = waiting + 1, active + 1
+    while active > 0:
+        # idle lanes in a whole vector cost less than odd ones
+        lanes = min((active + VECTOR - 1) // VECTOR * VECTOR, stage.lanes)
+        block = block_of(stage, 0, lanes, stage.units)
+        act_all(policy, memory, block, speed, steering, 0)
+        remove_arrived(task, block)
+        if step(task, vehicle, block, speed, steering) == 0:
+            continue
+        for lane in range(active - 1, -1, -1):
+            if not ended(task, stage, lane):
+                continue
+            exchange_worlds(stage, lane, worlds, places[lane])
+            if waiting < last:
+                places[lane] = order[waiting]
+                exchange_worlds(worlds, places[lane], stage, lane)
+                memory[..., lane] = 0.0
+                waiting += 1
+            else:
+                active -= 1
+                if lane < active:
+                    _exchange(stage, places, memory, lane, active)
+        _arrange(stage, places, memory, active)
+
+
+@kernel
+def _exchange(stage, places, memory, lane, other):
+    exchange_worlds(stage, lane, stage, other)
+    exchange_lanes(places, lane, places, other)
+    exchange_lanes(memory, lane, memory, other)
+
+
+@rare_kernel
+def _arrange(stage, places, memory, active):
+    """Sort lanes by who waits in them, so that loops may pass over lanes in which a HAV waits.
+
+    In large swarms somebody else waits in every lane, and sorting costs more than it gives; so it
+    does where HAVs remember much, which is moved along.
+    """
+    if not 1 < stage.state.x.shape[0] <= FEW or memory.shape[1] > _MUCH:
+        return
+    for lane in range(active):
+        chosen = lane
+        for other in range(lane + 1, active):
+            lower = _rank(stage, other) < _rank(stage, chosen)
+            if lower or (chosen != lane and _rank(stage, other) == _rank(stage, chosen)):
+                chosen = other
+        if chosen != lane:
+            _exchange(stage, places, memory, lane, chosen)
+
+
+@kernel
+def _rank(stage, lane):
+    """Return a number below 0 when the first HAVs wait, above 0 when the last do."""
+    num_havs, rank = stage.state.x.shape[0], 0
+    for agent in range(num_havs):
+        rank += 2 * agent + 1 - num_havs if stage.state.waiting[agent, lane] else 0
+    return rank
+
+
+def rollout(
+    policy,
+    scenario,
+    seed: int,
+    episodes: np.ndarray,
+    task: Task = Task(),
+    vehicle=OnAxle(),
+    threads: int | None = None,
+) -> pa.Table:
+    """Run a policy for whole episodes.
+
+    Args:
+        policy: a registered policy, which drives every HAV.
+        scenario, seed, episodes: episode k of a seed is the same whatever else is run.
+        task, vehicle: rules and kinematics.
+        threads: how many; the table does not depend on it.
+
+    Returns:
+        One row for each HAV and episode, columns as in docs/metrics.md.
+
+    Raises:
+        ValueError, TypeError: for parameters that are not allowed, naming them.
+        PlacementError: when a scenario has no room for its HAVs.
+    """
+    check_models(policy, scenario, task, vehicle)
+    episodes = read_episodes(episodes)
+    if episodes.size == 0:
+        raise ValueError("episodes is empty, but must hold at least one number")
+    batch = Batch(scenario, episodes.size, task, vehicle, threads)
+    batch.reset(seed, episodes)
+    state = batch.worlds.state
+    start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
+    # Loops over units reach to the longest HAV of a block: worlds alike are run side by side, long
+    # ones first, for they take longest.
+    order = np.lexsort(-batch.worlds.fleet.num_trailers[::-1])
+    roll = functools.partial(_roll, canonical(policy), batch)
+    threads = int(threads or default_threads())
+    run_on_threads(roll, _shares(order, threads), threads)
+    return tabulate(batch.worlds, start, policy)
+
+
+def _shares(order: np.ndarray, threads: int) -> list[np.ndarray]:
+    """Divide episodes among threads, in shares small enough that none waits long for another."""
+    shares = _SHARES * threads if threads > 1 else 1
+    size = max(VECTOR, -(-len(order) // shares))
+    return [order[first : first + size] for first in range(0, len(order), size)]
+
+
+def _roll(policy, batch: Batch, order: np.ndarray) -> None:
+    """Run the episodes of one share to their ends, on this thread.
+
+    The stage is the thread's own: threads that write side by side would wait for each other.
+    """
+    num_havs, num_units, _ = batch.worlds.state.heading.shape
+    lanes = min(len(order), max(VECTOR, LANES // num_havs))
+    stage = allocate_worlds(
+        lanes, num_havs, num_units, batch.scenario.num_goals, batch.task.continuous_collisions
+    )
+    # so that nobody moves in lanes that are idle
+    stage.state.waiting[:], stage.state.clock[PHASE] = True, batch.scenario.num_goals - 1
+    rollout_worlds(
+        len(order),
+        policy,
+        batch.task,
+        batch.vehicle,
+        batch.worlds,
+        order,
+        stage,
+        np.zeros(lanes, np.int64),
+        allocate_memory(policy, num_havs, lanes),
+        *np.zeros((2, num_havs, lanes)),
+        threads=1,
+    )

@@ -1,0 +1,117 @@
+"""Outlines: convex polygons told by how far they extend in 24 directions.
+
+An outline stands in ``SIDES`` rows of an array: entry k is the largest value of
+x cos(a) + y sin(a) [m] over all points that were included, at the angle a of side k. It holds all
+their convex combinations, and of a disc of radius r little more than the disc, 0.9 % of r at its
+corners. What was included touches every side, so that neighbouring sides meet in the corners.
+
+Functions work on a slice of the rows, for then compiled code knows that no place is negative.
+"""
+
+import math
+
+import numpy as np
+
+from hav_env.compiled import kernel, rare_kernel
+from hav_env.maths.elementary import atan2, sincos
+from hav_env.maths.geometry import TWO_PI
+
+SIDES = 24
+_ANGLE = TWO_PI / SIDES  # between neighbouring sides
+_ANGLES = [_ANGLE * k for k in range(SIDES)]
+# arrays: of a tuple, compiled code would look at one element after another
+_COSINES = np.array([math.cos(angle) for angle in _ANGLES])
+_SINES = np.array([math.sin(angle) for angle in _ANGLES])
+_COSINE, _SINE = math.cos(_ANGLE), math.sin(_ANGLE)
+
+
+@kernel
+def clear_outline(rows, outline):
+    """Begin an outline that holds nothing."""
+    sides = rows[outline : outline + SIDES]
+    for side in range(SIDES):
+        sides[side] = -math.inf
+
+
+@kernel
+def include_point(rows, outline, x, y):
+    """Include a point [m]."""
+    sides = rows[outline : outline + SIDES]
+    for side in range(SIDES):
+        sides[side] = max(sides[side], x * _COSINES[side] + y * _SINES[side])
+
+
+@rare_kernel
+def include_disc(rows, outline, x, y, radius):
+    """Include a disc [m]."""
+    sides = rows[outline : outline + SIDES]
+    for side in range(SIDES):
+        sides[side] = max(sides[side], x * _COSINES[side] + y * _SINES[side] + radius)
+
+
+@kernel
+def widen(rows, outline, margin):
+    """Move all sides of an outline outwards [m]: it then holds all that is so near to it."""
+    sides = rows[outline : outline + SIDES]
+    for side in range(SIDES):
+        sides[side] += margin
+
+
+@rare_kernel
+def outside(rows, outline, x, y):
+    """Return how far outside the farthest side a point is [m]; negative inside."""
+    sides, farthest = rows[outline : outline + SIDES], -math.inf
+    for side in range(SIDES):
+        farthest = max(farthest, x * _COSINES[side] + y * _SINES[side] - sides[side])
+    return farthest
+
+
+@kernel
+def corner(rows, outline, side):
+    """Return the corner [m] between a side and the next one."""
+    after = side + 1 if side + 1 < SIDES else 0
+    out = rows[outline + side]
+    along = (rows[outline + after] - out * _COSINE) / _SINE
+    return (
+        out * _COSINES[side] - along * _SINES[side],
+        out * _SINES[side] + along * _COSINES[side],
+    )
+
+
+@rare_kernel
+def turn_outline(rows, outline, others, other, x, y, cosine, sine):
+    """Write the outline round another one that is seen from a frame.
+
+    Args:
+        rows, outline: where to write; it holds the other one and a little more.
+        others, other: rows and place of the other outline, in a frame of its own.
+        x, y, cosine, sine: where that frame is [m], and its heading.
+    """
+    heading = atan2(sine, cosine)
+    heading += TWO_PI if heading < 0.0 else 0.0
+    passed = min(int(heading / _ANGLE), SIDES - 1)
+    rest = heading - passed * _ANGLE  # of the frame's heading, from one side to the next
+    # the corner that is farthest out towards an own side lies between two sides of the other one
+    before, _ = sincos(rest)
+    behind, _ = sincos(_ANGLE - rest)
+    before, behind = before / _SINE, behind / _SINE
+    sides, seen = rows[outline : outline + SIDES], others[other : other + SIDES]
+    for side in range(SIDES):
+        at = side - passed + (SIDES if side < passed else 0)
+        previous = at - 1 if at > 0 else SIDES - 1
+        turned = before * seen[previous] + behind * seen[at]
+        sides[side] = x * _COSINES[side] + y * _SINES[side] + turned
+
+
+@rare_kernel
+def outline_gap(rows, outline, other):
+    """Return the widest gap [m] between two outlines across one of the 24 directions.
+
+    Both are in one frame. They are at least so far apart; when it is negative, they may overlap.
+    """
+    half, widest = SIDES // 2, -math.inf
+    sides, others = rows[outline : outline + SIDES], rows[other : other + SIDES]
+    for side in range(half):
+        widest = max(widest, -sides[side] - others[half + side])
+        widest = max(widest, -sides[half + side] - others[side])
+    return widest

@@ -1,0 +1,78 @@
+"""What is the case in a whole world, for critics that see everything: one row, in its own frame."""
+
+import numpy as np
+from gymnasium import spaces
+
+from hav_env.observation.layout import LENGTH_UNIT, MOST_UNITS
+from hav_env.simulator.batch import Batch
+from hav_env.world.arrays import COSINE, PHASE, REMOVED, SINE, STEP, X, Y
+
+POSITION_UNIT, MOST_POSITIONS = 100.0, 100.0  # [m]; where positions are cut
+_TILE = POSITION_UNIT * MOST_POSITIONS  # [m]
+
+
+class CentralState:
+    """Reads the states of the worlds of a batch.
+
+    Attributes:
+        names: of the entries: the clock, then HAV after HAV. Positions are in 100 m from the
+            origin, in a world far from it from the nearest point whose coordinates are multiples
+            of 10 km; lengths are in 10 m, time in episodes. A HAV that was removed is all zeros.
+        space: of the states.
+    """
+
+    def __init__(self, batch: Batch) -> None:
+        """Read from this batch."""
+        self._batch = batch
+        most = batch.scenario.max_trailers
+        joints = range(1, most + 1)
+        own = [
+            *("present", "waits", "goals_left", "x", "y", "heading_cosine", "heading_sine"),
+            *("goal_x", "goal_y", "goal_heading_cosine", "goal_heading_sine"),
+            *(f"length_{unit}" for unit in range(most + 1)),
+            *(f"articulation_{part}_{j}" for part in ("cosine", "sine") for j in joints),
+        ]
+        havs = range(batch.scenario.num_havs)
+        self.names = ("time", *(f"hav_{k}_{name}" for k in havs for name in own))
+        low, high = np.array([_bounds_of(name) for name in self.names], np.float32).T
+        self.space = spaces.Box(low.copy(), high.copy(), dtype=np.float32)
+
+    def read(self, w: int = 0) -> np.ndarray:
+        """Return the state of a world, (len(names),) float32."""
+        batch, worlds = self._batch, self._batch.worlds
+        state, goal = worlds.state, worlds.state.goal[..., w]
+        # the same for a whole episode, and (0, 0) for worlds that are drawn; as large coordinates
+        # float32 and the bounds of the space would keep nothing of where HAVs are
+        origin = _TILE * np.rint(worlds.goals[:, :, [X, Y], w].mean(axis=(0, 1)) / _TILE)
+        waits, place = state.waiting[:, w], np.stack([state.x[:, w], state.y[:, w]], axis=1)
+        cosine, sine = state.cosine[..., w], state.sine[..., w]
+        ahead_cosine, ahead_sine = cosine[:, :-1], sine[:, :-1]
+        present = np.arange(cosine.shape[1]) <= worlds.fleet.num_trailers[:, w, None]
+        num_goals = batch.scenario.num_goals
+        rows = np.column_stack(
+            [
+                np.ones(len(waits)),
+                waits,
+                (num_goals - state.clock[PHASE, w] - waits) / num_goals,
+                (place - origin) / POSITION_UNIT,
+                cosine[:, 0],
+                sine[:, 0],
+                (goal[:, [X, Y]] - origin) / POSITION_UNIT,
+                goal[:, [COSINE, SINE]],
+                np.where(present, worlds.fleet.length[..., w] / LENGTH_UNIT, 0.0),
+                present[:, 1:] * (cosine[:, 1:] * ahead_cosine + sine[:, 1:] * ahead_sine),
+                present[:, 1:] * (sine[:, 1:] * ahead_cosine - cosine[:, 1:] * ahead_sine),
+            ]
+        )
+        rows[worlds.record.total[:, REMOVED, w] != 0.0] = 0.0
+        time = state.clock[STEP, w] / batch.task.max_steps
+        row = np.concatenate([[time], rows.ravel()]).astype(np.float32)
+        return row.clip(self.space.low, self.space.high)
+
+
+def _bounds_of(name: str) -> tuple[float, float]:
+    if name.endswith(("_x", "_y")):
+        return -MOST_POSITIONS, MOST_POSITIONS
+    if "length" in name:
+        return 0.0, MOST_UNITS
+    return (-1.0 if "cosine" in name or "sine" in name else 0.0), 1.0

@@ -1,0 +1,262 @@
+"""The decision process that learners see: actions in; observations, rewards, ends, reports out.
+
+Every environment is a face of it; a single environment is a decision process of one world.
+"""
+
+import warnings
+from typing import Any, TypedDict
+
+import numpy as np
+
+from hav_env.compiled import VECTOR, canonical, default_threads, share_out
+from hav_env.mdp.advance import Between, Outcome, advance_worlds, look_at_worlds, outcome_size
+from hav_env.mdp.array_pool import Recycler
+from hav_env.mdp.info import REPORT
+from hav_env.mdp.reward import BEFORE_SIZE, Reward, check_reward
+from hav_env.models.checks import check_value
+from hav_env.models.memory import check_memory
+from hav_env.models.quantities import Skipped
+from hav_env.observation import (
+    ROUTE_SIZE,
+    Observation,
+    check_observation,
+    name_columns,
+    settle,
+)
+from hav_env.policies.driver import PolicyDriver
+from hav_env.scenarios.presets import scenario_of
+from hav_env.simulator.batch import Batch, begin_worlds, check_placed
+from hav_env.vehicles import OnAxle
+from hav_env.world.lanes import APART
+from hav_env.world.task import Task, set_rules
+
+_FEWEST = 1_024  # HAVs for which it is worth to wake a thread
+
+
+class Settings(TypedDict, total=False):
+    """The arguments of ``DecisionProcess`` that all environments take."""
+
+    scenario: Any
+    num_havs: int | None
+    task: Task
+    vehicle: Any
+    observation: Observation
+    reward: Any
+    frame_skip: int
+    threads: int | None
+
+
+class DecisionProcess:
+    """W worlds, in each of which the first C of N HAVs are controlled.
+
+    Attributes:
+        batch: the worlds.
+        columns: names of the columns of an observation.
+        info: names of the numbers that are reported of each HAV.
+    """
+
+    def __init__(
+        self,
+        num_worlds: int = 1,
+        controlled: int | None = None,
+        others: Any = None,
+        /,  # so that these are no arguments of environments that do not name them
+        *,
+        scenario: Any = "paper-pair",
+        num_havs: int | None = None,
+        task: Task = Task(),
+        vehicle: Any = OnAxle(),
+        observation: Observation = Observation(),
+        reward: Any = Reward(),
+        frame_skip: int = 1,
+        threads: int | None = None,
+        **rules: Any,
+    ) -> None:
+        """Allocate the worlds; they are empty until ``begin``.
+
+        Args:
+            num_worlds: W.
+            controlled: C, all HAVs by default.
+            others: the policy that drives the other HAVs, or its name; without one they stand.
+            scenario: its name or a model; num_havs: N, if it is to be another than the scenario's.
+            task, vehicle: the rules and the kinematics.
+            observation, reward: what learners see, and what they get.
+            frame_skip: for how many steps of the simulator an action is held.
+            threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
+            rules: rules of the task that are to be others: ``max_steps``, ``on_goal``, ...
+
+        Raises:
+            ValueError, TypeError: naming the argument, its value and what is allowed.
+        """
+        scenario = scenario_of(scenario, num_havs)
+        check_observation(observation)
+        check_reward(reward)
+        check_value("frame_skip", Skipped, frame_skip)
+        self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
+        n, w = self.batch.scenario.num_havs, self.batch.num_worlds
+        c = n if controlled is None else controlled
+        self.num_controlled, self.num_havs, self.num_worlds = c, n, w
+        self.frame_skip = int(frame_skip)
+        self.observation = settle(observation, n)
+        self.columns = name_columns(self.observation, scenario.max_trailers)
+        self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
+        told = outcome_size(c, len(self.columns), len(self.info))
+        check_memory("num_worlds", w, (self.batch.bytes_per_world + told) * w)
+        driver = None if others is None else PolicyDriver(others, self.batch, c)
+        self._driver = driver if c < n else None  # nobody is left to be driven
+        self._reward = canonical(reward)
+        ranges = -(-w // VECTOR)
+        self._between = Between(
+            np.zeros((2, n, w)),
+            np.zeros((c, w)),
+            np.zeros((c, BEFORE_SIZE, w)),
+            np.zeros((c, ROUTE_SIZE, w)),
+            np.zeros((len(reward), c, w)),
+            np.zeros((ranges, len(self.columns), APART), np.float32),
+        )
+        self._advance: Any = None
+        self._recycler = Recycler(
+            [
+                ((w, c, len(self.columns)), np.float32),
+                ((len(self.info) + 1, c, w), np.float64),
+                ((2, w), np.bool_),
+            ]
+        )
+        self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
+        self._all_begun = False
+        self._threads = min(threads or default_threads(), max(1, c * w // _FEWEST))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what is compiled: a copy asks for it again."""
+        return self.__dict__ | {"_advance": None}
+
+    def set_reward(self, reward: Any) -> None:
+        """Change the weights of the reward from the next action on.
+
+        Raises:
+            ValueError: when a weight is not a finite number.
+            TypeError: when the reward is of another type than before.
+        """
+        check_reward(reward)
+        if type(reward) is not type(self._reward):
+            raise TypeError(f"reward is {reward!r}, but must be a {type(self._reward).__name__}")
+        self._reward = canonical(reward)
+
+    def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
+        """Begin episodes in the worlds that are chosen.
+
+        Args:
+            seeds, episodes: (W,) int64; those of the chosen worlds count.
+            chosen: (W,) bool.
+
+        Raises:
+            PlacementError: when a world has no room for its HAVs; it then has no episode.
+        """
+        self._begun &= ~chosen
+        self._all_begun = False
+        self._between.returns[..., chosen] = 0.0
+        if self._driver is not None:
+            self._driver.forget(chosen)
+        placed = ~chosen
+        try:
+            begin_worlds(
+                self.num_worlds,
+                self.batch.scenario,
+                self.batch.task,
+                self.batch.worlds,
+                seeds,
+                episodes,
+                placed,
+                threads=self._threads,
+            )
+        finally:  # an interrupt comes when all worlds are done
+            self._begun |= chosen & placed
+            self._all_begun = bool(self._begun.all())
+        check_placed(placed, self.batch.scenario)
+
+    def require_episodes(self, use: str) -> None:
+        """Raise RuntimeError unless every world has an episode, naming what needs it."""
+        if self._all_begun:
+            return
+        missing = np.flatnonzero(~self._begun).tolist()
+        if len(missing) == self.num_worlds:
+            raise RuntimeError(f"call reset before {use}: there is no episode yet")
+        raise RuntimeError(
+            f"call reset before {use}: {len(missing)} of {self.num_worlds} worlds have no episode,"
+            f" for it could not begin, the first of them world {missing[0]}"
+        )
+
+    def look(self, chosen: np.ndarray, told: Outcome) -> None:
+        """Tell what is seen in the worlds (W,) that are chosen, whose episodes have just begun.
+
+        Rewards are zero, and nothing has ended.
+        """
+        look_at_worlds(
+            self.num_worlds,
+            self.observation,
+            self.batch.worlds,
+            self._between,
+            chosen,
+            told,
+            threads=self._threads,
+        )
+        told.numbers[len(REPORT) : -1, :, chosen] = self._between.returns[..., chosen]
+        told.numbers[-1, :, chosen] = 0.0
+        told.ends[:, chosen] = False
+
+    def step(self, actions: np.ndarray) -> Outcome:
+        """Take one action in every world.
+
+        Args:
+            actions: (W, C, 2) speed and steering from -1 to 1, finite, float64, contiguous.
+
+        Raises:
+            RuntimeError: when a world has no episode.
+        """
+        self.require_episodes("step")
+        told = self.outcome()
+        if self._driver is None:
+            self._take(actions, (1, self.frame_skip, 1), told)
+            return told
+        for k in range(self.frame_skip):
+            self._between.command[:] = self._driver.decide()
+            self._take(actions, (int(k == 0), 1, int(k == self.frame_skip - 1)), told)
+        return told
+
+    def _take(self, actions: np.ndarray, part: tuple[int, int, int], told: Outcome) -> None:
+        batch = self.batch
+        models = batch.task, batch.vehicle, self._reward, self.observation
+        args = *models, batch.worlds, self._between, actions, part, told
+        if self._advance is None:
+            self._advance = advance_worlds.prepare(*args)
+        share_out(self._advance, self.num_worlds, args, self._threads)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return the arrays of the worlds and of what is kept from action to action, by name."""
+        return _name_arrays({"worlds": self.batch.worlds, "between": self._between})
+
+    def outcome(self) -> Outcome:
+        """Return arrays for an outcome; what is in them means nothing yet.
+
+        Nobody else holds any part of them.
+        """
+        return Outcome(*self._recycler.arrays())
+
+
+def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
+    """Return the arrays in named tuples, each under the names that lead to it."""
+    found: dict[str, np.ndarray] = {}
+    for name, part in parts.items():
+        if isinstance(part, np.ndarray):
+            found[name] = part
+        elif hasattr(part, "_asdict"):
+            own = _name_arrays(part._asdict())
+            found |= {f"{name}.{field}": array for field, array in own.items()}
+    return found
+
+
+def warn_of_unknown(options: dict[str, Any], known: tuple[str, ...]) -> None:
+    """Warn of options of a reset that are not known; they are ignored."""
+    for name in sorted(set(options) - set(known), key=str):
+        told = f"reset ignores the option {name!r}; known: {', '.join(known)}"
+        warnings.warn(told, stacklevel=4)  # who called the environment's reset

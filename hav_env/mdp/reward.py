@@ -1,0 +1,176 @@
+"""What a learner is rewarded for: named terms with weights, each reported under its name.
+
+A reward is a NamedTuple of weights whose type selects the kernel that works out its terms: the
+field ``progress`` is the weight of the term of that name. A HAV that waits gets nothing.
+"""
+
+from typing import NamedTuple
+
+from hav_env.compiled import fixed, generic, kernel
+from hav_env.maths.geometry import clip
+from hav_env.models.checks import check_model
+from hav_env.models.names import Registry
+from hav_env.models.quantities import Weight
+from hav_env.world.arrays import (
+    ACTUAL,
+    ARTICULATION,
+    JACKKNIFE,
+    NEVER,
+    STEERING,
+    WHEN,
+    truck_distance,
+)
+from hav_env.world.collision import collision_distance, front_gap
+from hav_env.world.events import goals_hit
+
+# what was so before the action, of each HAV: whether it waited, goals hit, Dubins length to the
+# goal [m], ever jackknifed, ever in an actual collision
+WAITED, HITS, REMAINING, JACKKNIFED, COLLIDED, BEFORE_SIZE = range(6)
+
+
+class Reward(NamedTuple):
+    """Weights of the terms; the reward of a step is the sum of weight times term."""
+
+    progress: Weight = 0.1
+    """For each metre by which the Dubins path to the goal under way, drivable, became shorter.
+    Over an episode these add up to the lengths of the paths at their beginnings less what is left
+    at the end (potential-based: Ng, Harada and Russell, 1999), so nothing can be gained by driving
+    to and fro."""
+    goal: Weight = 10.0
+    """For a goal that was hit."""
+    jackknife: Weight = -10.0
+    """For the first jackknife of an episode."""
+    actual_collision: Weight = -10.0
+    """For the first actual collision of an episode."""
+    potential_collision: Weight = -1.0
+    """For each second, times how deep the footprint circle of the nearest HAV has been entered: 0
+    at the collision distance, 1 where both trucks are at the same place."""
+    proximity: Weight = 0.0
+    """For each second, times how near the truck's front axle is to the chain of another HAV,
+    squared: 0 from 5 m on, 1 where they touch. Not worked out where its weight is 0."""
+    articulation: Weight = -0.1
+    """For each second, times how near the largest articulation is to its limit, squared: 0 up to
+    half of the limit, 1 at the limit."""
+    steering: Weight = -0.01
+    """For each second, times the square of steering over its maximum."""
+    time: Weight = -0.02
+    """For each second."""
+
+
+PROGRESS, GOAL, JACKKNIFE_TERM, ACTUAL_TERM, POTENTIAL_TERM, PROXIMITY_TERM = range(6)
+ARTICULATION_TERM, STEERING_TERM, TIME = range(6, 9)
+_NEAR = 5.0  # [m], what is near
+
+
+@generic
+def reward_terms(reward, duration, world, agent, before, remaining, terms):
+    """Work out the terms of one HAV in every lane of a block of worlds, after an action.
+
+    Args:
+        reward: the weights; their type selects the kernel, which writes the terms without them.
+        duration: of the action [s].
+        world, agent: the world after the action; which HAV.
+        before: (N, BEFORE_SIZE, W) columns WAITED .. COLLIDED, from before the action.
+        remaining: (N, W) Dubins length to the goal under way [m], after the action.
+        terms: (T, N, W) to be written, in the order of the fields. What is written for a HAV that
+            waited before the action is ignored.
+    """
+
+
+def check_reward(reward) -> None:
+    """Check the weights.
+
+    Raises:
+        ValueError: naming the weight, its value and what is allowed.
+        TypeError: when this is no reward, or a weight is no number.
+    """
+    check_model("reward", reward, reward_terms)
+
+
+REWARDS = Registry(
+    "reward",
+    "hav_env.rewards",
+    reward_terms.table.__contains__,
+    "register it with reward_terms.register",
+    {"default": Reward},
+)
+
+
+@kernel
+def note_before(world, agent, remaining, before):
+    """Write down what the terms of the next action compare with."""
+    first = world.record.first
+    for lane in range(world.lanes):
+        waits = world.state.waiting[agent, lane]
+        before[agent, WAITED, lane] = 1.0 if waits else 0.0
+        before[agent, HITS, lane] = goals_hit(world, agent, lane)
+        before[agent, REMAINING, lane] = remaining[agent, lane]
+    for lane in range(world.lanes):
+        jackknifed = first[agent, JACKKNIFE, WHEN, lane] != NEVER
+        before[agent, JACKKNIFED, lane] = 1.0 if jackknifed else 0.0
+        collided = first[agent, ACTUAL, WHEN, lane] != NEVER
+        before[agent, COLLIDED, lane] = 1.0 if collided else 0.0
+
+
+@reward_terms.register(Reward)
+def default_terms(reward, duration, world, agent, before, remaining, terms):
+    """Work out the terms of ``Reward``."""
+    state, limit, first = world.state, world.fleet.limit, world.record.first
+    for lane in range(world.lanes):
+        hits = goals_hit(world, agent, lane) - before[agent, HITS, lane]
+        # a goal that is hit has been reached; the path that is left leads to the next one
+        left = 0.0 if hits > 0.0 else remaining[agent, lane]
+        terms[GOAL, agent, lane] = hits
+        terms[PROGRESS, agent, lane] = before[agent, REMAINING, lane] - left
+    for lane in range(world.lanes):
+        jackknifed = 1.0 if first[agent, JACKKNIFE, WHEN, lane] != NEVER else 0.0
+        collided = 1.0 if first[agent, ACTUAL, WHEN, lane] != NEVER else 0.0
+        terms[JACKKNIFE_TERM, agent, lane] = jackknifed - before[agent, JACKKNIFED, lane]
+        terms[ACTUAL_TERM, agent, lane] = collided - before[agent, COLLIDED, lane]
+    for lane in range(world.lanes):
+        effort = state.steering[agent, lane] / limit[agent, STEERING, lane]
+        terms[STEERING_TERM, agent, lane] = duration * effort * effort
+        terms[TIME, agent, lane] = duration
+        terms[ARTICULATION_TERM, agent, lane] = 0.0
+    for number in range(1, world.units):
+        unit = fixed(number)
+        for lane in range(world.lanes):
+            bend = abs(state.heading[agent, unit, lane] - state.heading[agent, unit - 1, lane])
+            bend = bend if unit <= world.fleet.num_trailers[agent, lane] else 0.0
+            share = clip(2.0 * bend / limit[agent, ARTICULATION, lane] - 1.0, 0.0, 1.0)
+            term = terms[ARTICULATION_TERM, agent, lane]
+            terms[ARTICULATION_TERM, agent, lane] = max(term, duration * share * share)
+    for lane in range(world.lanes):
+        terms[POTENTIAL_TERM, agent, lane] = 0.0
+    if state.x.shape[0] > 1:
+        for lane in range(world.lanes):
+            terms[POTENTIAL_TERM, agent, lane] = duration * _deepest(world, agent, lane)
+    for lane in range(world.lanes):
+        terms[PROXIMITY_TERM, agent, lane] = 0.0
+    if state.x.shape[0] > 1 and reward.proximity != 0.0:
+        for lane in range(world.lanes):
+            nearness = _nearness(world, agent, lane)
+            terms[PROXIMITY_TERM, agent, lane] = duration * nearness * nearness
+
+
+@kernel
+def _deepest(world, agent, lane):
+    """Return how deep a footprint circle has been entered, at most: from 0 to 1."""
+    deepest = 0.0
+    for k in range(world.nearby.count[agent, lane]):
+        other = world.nearby.index[agent, k, lane]
+        allowed = collision_distance(world.fleet, agent, other, lane)
+        distance = truck_distance(world.state, agent, other, lane)
+        deepest = max(deepest, 1.0 - distance / allowed)
+    return deepest
+
+
+@kernel
+def _nearness(world, agent, lane):
+    """Return how near the truck's front is to the nearest chain: from 0 to 1."""
+    nearness = 0.0
+    for k in range(world.nearby.count[agent, lane]):
+        other = world.nearby.index[agent, k, lane]
+        gap = front_gap(world, agent, other, lane)
+        nearness = max(nearness, 1.0 - gap / _NEAR)
+    return nearness

@@ -1,0 +1,93 @@
+"""This module reads the annotations of models, ranges among them, and shows values in errors.
+
+A model is a NamedTuple or a dataclass of parameters.
+"""
+
+import dataclasses
+import functools
+import numbers
+import sys
+import typing
+from collections.abc import Callable
+from typing import Annotated, Any, ForwardRef, NamedTuple
+
+_LONGEST = 100  # characters of a value that an error shows
+
+
+class Range(NamedTuple):
+    """The numbers that a field may hold, both bounds among them."""
+
+    low: float
+    high: float
+    unit: str = ""
+    said: str = ""
+    """The rule in words, where it is not "at least low and at most high"."""
+
+    @property
+    def rule(self) -> str:
+        """The rule in words."""
+        unit = f" {self.unit}" if self.unit else ""
+        low, high = (n if isinstance(n, int) else f"{n:.6g}" for n in (self.low, self.high))
+        return self.said or f"at least {low}{unit} and at most {high}{unit}"
+
+
+@functools.cache
+def kinds_of(model_class: Any) -> dict[str, Any]:
+    """Return the annotations of the fields of a model; ``Any`` for one that nobody can resolve."""
+    found: dict[str, Any] = {}
+    for part in reversed(model_class.__mro__):
+        names = vars(sys.modules.get(part.__module__, typing))
+        for field, kind in vars(part).get("__annotations__", {}).items():
+            found[field] = _resolve(kind, names)
+    return found
+
+
+def _resolve(kind: Any, names: dict[str, Any]) -> Any:
+    """Return an annotation that may be a string, as under ``from __future__``."""
+    text = kind.__forward_arg__ if isinstance(kind, ForwardRef) else kind
+    if not isinstance(text, str):
+        return kind
+    try:
+        return eval(text, dict(names))
+    except Exception:  # a name that only type checkers know
+        return Any
+
+
+def split_range(kind: Any) -> tuple[Any, Range | None]:
+    """Return an annotation without its range, and the range."""
+    if typing.get_origin(kind) is not Annotated:
+        return kind, None
+    base, *notes = typing.get_args(kind)
+    return base, next((note for note in notes if isinstance(note, Range)), None)
+
+
+def is_model(value: Any) -> bool:
+    """Tell whether a value is a NamedTuple or a dataclass."""
+    return hasattr(value, "_asdict") or dataclasses.is_dataclass(type(value))
+
+
+def values_of(model: Any) -> dict[str, Any]:
+    """Return the values of the fields of a model, by name."""
+    if hasattr(model, "_asdict"):
+        return model._asdict()
+    return {field.name: getattr(model, field.name) for field in dataclasses.fields(model)}
+
+
+def is_number(value: Any) -> bool:
+    """Tell whether a value is a real number, of Python's or NumPy's; a bool is none."""
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def show(value: Any, how: Callable[[Any], str] = repr) -> str:
+    """Return a value in one line that is not too long."""
+    try:
+        text = " ".join(how(value).split())
+    except Exception:  # a whole number of 5,000 digits cannot be written; others' code may fail
+        text = f"{with_article(type(value))} that cannot be shown"
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
+
+
+def with_article(kind: type | str) -> str:
+    """Return a name, or that of a type, as a sentence needs it: "an int", "a Task"."""
+    name = kind if isinstance(kind, str) else kind.__name__
+    return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"

@@ -1,0 +1,47 @@
+"""This module states the ranges of quantities: lengths, speeds, durations, counts.
+
+Beyond these bounds nothing is meant, and inside them nothing overflows, ends in NaN or runs for
+ever: a truck that turns as quickly as it can for the longest episode turns by less than 2e15 rad,
+up to which sines mean something to the compiled code (``hav_env.maths.elementary.sincos``).
+"""
+
+import math
+from typing import Annotated
+
+from hav_env.models.annotations import Range
+
+ABOVE_ZERO = math.nextafter(0.0, 1.0)
+
+Length = Annotated[float, Range(0.01, 1e3, "m")]  # of a truck or a trailer
+Gap = Annotated[float, Range(1e-3, 1e6, "m")]  # more than rounding adds up to along a row of HAVs
+Coordinate = Annotated[float, Range(-1e8, 1e8, "m")]  # five times as far as web maps reach
+Heading = Annotated[float, Range(-1e6, 1e6, "rad")]
+Duration = Annotated[float, Range(1e-4, 10.0, "s")]  # of a step
+Speed = Annotated[float, Range(1e-3, 1e3, "m/s")]
+Steering = Annotated[float, Range(1e-3, 1.5, "rad")]  # the most; at pi / 2 a truck cannot move
+Articulation = Annotated[float, Range(1e-3, math.pi, "rad")]  # the most
+Tolerance = Annotated[float, Range(1e-6, 1e6, "m")]
+AngleTolerance = Annotated[float, Range(1e-6, 10.0, "rad")]
+Distance = Annotated[float, Range(0.0, 1e6, "m")]  # any other, from nothing on
+Angle = Annotated[float, Range(0.0, 10.0, "rad")]  # any other, from nothing on
+Factor = Annotated[float, Range(0.0, 1e6)]
+Release = Annotated[float, Range(1.0, 1e6)]
+Coefficient = Annotated[float, Range(-100.0, 100.0)]  # in exponents
+Share = Annotated[float, Range(0.0, 1.0, said="from 0 to 1")]
+Weight = Annotated[float, Range(-1e9, 1e9)]  # of a term of the reward
+Offset = Annotated[float, Range(-1e3, 1e3)]
+Spread = Annotated[float, Range(1e-3, 1e3)]  # of a random distribution
+AreaFactor = Annotated[float, Range(1e-3, 1e6)]
+AboveZero = Annotated[float, Range(ABOVE_ZERO, 1e6, said="above 0 and at most 1e+06")]
+
+Havs = Annotated[int, Range(1, 10_000)]  # of a world
+Neighbors = Annotated[int, Range(0, 10_000)]  # who is observed, at most
+Goals = Annotated[int, Range(1, 1_000)]  # of a HAV
+Trailers = Annotated[int, Range(1, 100)]
+Steps = Annotated[int, Range(1, 10**8)]
+Skipped = Annotated[int, Range(1, 10_000)]  # steps for which an action is held
+Substeps = Annotated[int, Range(1, 1_000)]  # of a step
+Attempts = Annotated[int, Range(1, 100_000)]  # to find a pose
+WorldAttempts = Annotated[int, Range(1, 1_000)]
+Worlds = Annotated[int, Range(1, 10**7)]
+Threads = Annotated[int, Range(1, 1_024)]

@@ -1,0 +1,226 @@
+"""What a policy is: a NamedTuple of parameters, and a kernel that acts on what one HAV senses."""
+
+import functools
+from collections.abc import Callable
+
+import numpy as np
+
+from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
+from hav_env.models.annotations import show
+from hav_env.models.checks import check_fields
+from hav_env.models.memory import check_memory
+from hav_env.scenarios import check_scenario
+from hav_env.simulator.batch import Batch
+from hav_env.vehicles import OnAxle, check_vehicle
+from hav_env.world.arrays import NEVER
+from hav_env.world.lanes import LANES, block_of, moving_block
+from hav_env.world.sensing import neighbor_id
+from hav_env.world.task import Task, check_task
+
+
+@generic
+def act(policy, memory, world, agent, lane):
+    """Decide what one HAV does in this step: return speed [m/s] and steering [rad].
+
+    This is what a policy registers. One whose loops over units or neighbours should run several
+    worlds at once registers with ``act_lanes`` instead.
+
+    Args:
+        policy: the parameters; their type selects the kernel.
+        memory: (N, K, W); ``memory[agent, :, lane]`` is the HAV's own. It belongs to whoever runs
+            the episode and is zero at its beginning.
+        world, agent, lane: to be read through ``hav_env.world.sensing`` only.
+    """
+
+
+@generic
+def act_lanes(policy, memory, world, agent, speed, steering):
+    """Decide for one HAV in every lane of a block of worlds.
+
+    What is decided for HAVs that wait is ignored; their memory must not change.
+
+    Args:
+        policy, memory, world, agent: as for ``act``.
+        speed: (N, W) [m/s] and steering: (N, W) [rad], of which row ``agent`` is to be written.
+    """
+
+
+@act_lanes.otherwise
+def act_one_by_one(policy, memory, world, agent, speed, steering):
+    """Ask a policy that is registered with ``act`` in lane after lane."""
+    for lane in range(world.lanes):
+        if not world.state.waiting[agent, lane]:
+            speed[agent, lane], steering[agent, lane] = act(policy, memory, world, agent, lane)
+
+
+@kernel
+def act_all(policy, memory, world, speed, steering, first_agent):
+    """Let the HAVs of a block of worlds from one on decide, (N, W) each.
+
+    What is written for a HAV that waits is void.
+    """
+    for hav in range(first_agent, speed.shape[0]):
+        agent = fixed(hav)
+        moving = moving_block(world, agent)
+        first = moving.first - world.first
+        act_lanes(
+            policy,
+            lanes_from(memory, first),
+            moving,
+            agent,
+            lanes_from(speed, first),
+            lanes_from(steering, first),
+        )
+
+
+@entry
+def act_worlds(first, last, policy, memory, worlds, speed, steering, first_agent):
+    """Let the HAVs from ``first_agent`` on of a range of worlds decide, block by block."""
+    for start in range(first, last, LANES):
+        block = block_of(worlds, start, min(LANES, last - start), worlds.units)
+        act_all(
+            policy,
+            lanes_from(memory, start),
+            block,
+            lanes_from(speed, start),
+            lanes_from(steering, start),
+            first_agent,
+        )
+
+
+@functools.singledispatch
+def memory_size(policy) -> int:
+    """Return K, how many numbers a HAV under this policy keeps between steps."""
+    return 0
+
+
+@functools.singledispatch
+def broadcast_size(policy) -> int:
+    """Return B, how many of the numbers that a HAV keeps are for others to hear: its first ones.
+
+    Everybody else's other numbers are private. HAVs decide one after another, in the order of
+    their numbers, on the state before the step: of those before it a HAV hears what they have just
+    decided, of those behind it what they decided in the step before.
+    """
+    return 0
+
+
+@kernel
+def heard(memory, world, agent, k, number, lane):
+    """Return one of the numbers that neighbour ``k`` broadcasts; nobody out of range is heard."""
+    return memory[neighbor_id(world, agent, k, lane), number, lane]
+
+
+def allocate_memory(policy, num_havs: int, num_worlds: int) -> np.ndarray:
+    """Return the memory (N, K, W) of a policy at the beginning of an episode; W is at least 2.
+
+    The numbers of all lanes lie together for a policy that acts on lanes, otherwise those of a HAV.
+    """
+    size = memory_size(policy)
+    check_memory("num_worlds", num_worlds, 8 * num_havs * (size + 1) * num_worlds)
+    if type(policy) in act_lanes.table:
+        return np.zeros((num_havs, size, num_worlds))
+    # a gap, and never one lane, so that NumPy never finds them in order: that is compiled anew
+    return np.zeros((num_havs, max(num_worlds, 2), size + 1)).transpose(0, 2, 1)[:, :size]
+
+
+def find_kernel(model_class: type) -> Callable | None:
+    """Return the kernel that a class of policies is registered with, None if it is no policy."""
+    return act.table.get(model_class) or act_lanes.table.get(model_class)
+
+
+def check_policy(policy, scenario, task=Task(), vehicle=OnAxle()) -> None:
+    """Check a policy before it is used in a scenario, under rules, on a kind of vehicle.
+
+    These have been checked by themselves.
+
+    Raises:
+        TypeError: when its type has no kernel, or a parameter has a value of another kind.
+        ValueError: naming the parameter, its value and what is allowed.
+    """
+    if find_kernel(type(policy)) is None:
+        raise TypeError(f"{show(policy)} is not a policy: register its type with act")
+    check_fields("policy", policy)
+    check_parameters(policy, scenario)
+    check_rules(policy, scenario, task, vehicle)
+
+
+def check_models(policy, scenario, task, vehicle) -> None:
+    """Check all that an episode is run with.
+
+    Raises:
+        TypeError: when one of them is none of its kind.
+        ValueError: naming the field, its value and what is allowed.
+    """
+    check_scenario(scenario)
+    check_task(task)
+    check_vehicle(vehicle)
+    check_policy(policy, scenario, task, vehicle)
+
+
+@functools.singledispatch
+def check_parameters(policy, scenario) -> None:
+    """Check what one kind of policy demands of its parameters and the scenario's limits.
+
+    Registered by policies that demand more than the ranges of their fields; raises ValueError.
+    """
+
+
+@functools.singledispatch
+def check_rules(policy, scenario, task, vehicle) -> None:
+    """Check what one kind of policy demands of the rules of an episode and of the kinematics.
+
+    Registered by policies that predict what a step will lead to; raises ValueError.
+    """
+
+
+@functools.singledispatch
+def joint_weights(policy, cosine: np.ndarray) -> np.ndarray:
+    """Return the jackknife weight of every joint, eq. (jackknife-weigt-func).
+
+    Registered by policies with other coefficients than the paper's.
+
+    Args:
+        policy: whose coefficients count.
+        cosine: of articulations.
+    """
+    return 1.0 + np.tanh(0.5 - 2.0 * cosine)
+
+
+@functools.singledispatch
+def evaded_by(policy, memory: np.ndarray) -> np.ndarray:
+    """Return (N, W) which HAV each HAV evades, as ``memory`` tells; NEVER for none.
+
+    Registered by policies that evade one HAV at a time and remember which.
+    """
+    return np.full((memory.shape[0], memory.shape[2]), NEVER)
+
+
+def decide(
+    policy, memory: np.ndarray, batch: Batch, first_agent: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return speed [m/s] and steering [rad], each (N, W), of every HAV of a batch.
+
+    They are zero for HAVs that wait at their goal, and for those before ``first_agent``: the policy
+    does not act for them.
+
+    Args:
+        policy: a registered policy.
+        memory: from ``allocate_memory``, kept from step to step, written to.
+        batch: what is sensed; pass the result to ``batch.step``.
+        first_agent: the first HAV that the policy acts for.
+    """
+    speed, steering = np.zeros((2, *batch.worlds.state.x.shape))
+    act_worlds(
+        batch.num_worlds,
+        canonical(policy),
+        memory,
+        batch.worlds,
+        speed,
+        steering,
+        int(first_agent),
+        threads=batch.num_threads,
+    )
+    waiting = batch.worlds.state.waiting
+    speed[waiting] = steering[waiting] = 0.0
+    return speed, steering

@@ -1,0 +1,27 @@
+"""This module makes policies by name: "avoid_jack", a file, or ``module:Class`` of your own."""
+
+from typing import Any
+
+from hav_env.models.names import Registry
+from hav_env.policies.interface import find_kernel
+
+POLICIES = Registry(
+    "policy",
+    "hav_env.policies",
+    lambda made: find_kernel(made) is not None,
+    "register it with act.register",
+)
+
+
+def make_policy(policy: Any, **parameters: Any) -> Any:
+    """Return a policy: ``make_policy("avoid_jack", close_factor=3.0)``.
+
+    Args:
+        policy: a name, the path of a policy file, ``module:Class``, or a policy.
+        parameters: fields of the policy; the others keep their defaults.
+
+    Raises:
+        TypeError: when the policy has no such parameter, or one without a default is missing.
+        ValueError: when there is no such policy.
+    """
+    return POLICIES.make(policy, **parameters)

@@ -1,0 +1,199 @@
+"""A batch of worlds that share a scenario: owns the arrays; reset and step."""
+
+from typing import Any
+
+import numpy as np
+
+from hav_env.compiled import canonical, default_threads, entry, lanes_from
+from hav_env.maths.random_numbers import SEED_LIMIT, Seed
+from hav_env.models.annotations import show
+from hav_env.models.checks import check_value
+from hav_env.models.memory import check_memory
+from hav_env.models.quantities import Threads, Worlds
+from hav_env.scenarios import PlacementError, check_scenario
+from hav_env.simulator.transition import begin, remove_arrived, step
+from hav_env.vehicles import OnAxle, check_vehicle
+from hav_env.world.arrays import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds, world_size
+from hav_env.world.lanes import LANES, block_of, view_of
+from hav_env.world.task import END, Task, check_task
+
+_FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
+
+
+@entry
+def begin_worlds(first, last, scenario, task, worlds, seeds, episodes, placed):
+    """Start an episode in each of a range of worlds but those where ``placed`` is true.
+
+    It becomes true where the scenario found room.
+    """
+    for w in range(first, last):
+        if not placed[w]:
+            placed[w] = begin(scenario, task, worlds, w, seeds[w], episodes[w])
+
+
+@entry
+def step_worlds(first, last, task, vehicle, worlds, speed, steering):
+    """Advance a range of worlds by one step, block by block."""
+    for start in range(first, last, LANES):
+        block = block_of(worlds, start, min(LANES, last - start), worlds.units)
+        remove_arrived(task, block)
+        step(task, vehicle, block, lanes_from(speed, start), lanes_from(steering, start))
+
+
+class Batch:
+    """W worlds of one scenario, stepped together; a single environment is a batch of one.
+
+    Attributes:
+        worlds: the arrays, see ``hav_env.world.arrays``; the world is their last axis.
+        scenario, task, vehicle: what the worlds are, by which rules, and how HAVs move.
+        bytes_per_world: how much memory each takes.
+    """
+
+    def __init__(
+        self,
+        scenario,
+        num_worlds: int = 1,
+        task: Task = Task(),  # a NamedTuple is immutable
+        vehicle=OnAxle(),
+        threads: int | None = None,
+    ) -> None:
+        """Allocate the worlds; they are empty until ``reset``.
+
+        Args:
+            scenario, num_worlds, task, vehicle: as above.
+            threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
+
+        Raises:
+            ValueError: naming the argument, its value and what is allowed; when the machine has
+                less memory than the worlds need.
+            TypeError: when an argument is of another kind, or the scenario's type not registered.
+        """
+        check_value("num_worlds", Worlds, num_worlds)
+        check_value("threads", Threads | None, threads)
+        check_scenario(scenario)
+        check_task(task)
+        check_vehicle(vehicle)
+        self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
+        self.num_worlds = int(num_worlds)
+        self.threads = threads
+        self._begun = False
+        units, goals = self.scenario.max_trailers + 1, self.scenario.num_goals
+        shape = self.scenario.num_havs, units, goals, self.task.continuous_collisions
+        self.bytes_per_world = world_size(*shape)
+        check_memory("num_havs", shape[0], self.bytes_per_world)
+        check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
+        self.worlds: World = allocate_worlds(self.num_worlds, *shape)
+
+    def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
+        """Begin an episode in every world.
+
+        Args:
+            seed: from 0 to 2**32 - 1. An episode is determined by scenario, seed and number.
+            episodes: (W,) numbers of the episodes; by default 0 .. W - 1.
+
+        Raises:
+            ValueError: when the seed or an episode is out of range, or not one for each world.
+            PlacementError: when a world has no room for its HAVs; the batch is then empty again.
+        """
+        self._begun = False
+        check_seed(seed)
+        if episodes is None:
+            episodes = np.arange(self.num_worlds)
+        episodes = read_episodes(episodes)
+        if episodes.shape != (self.num_worlds,):
+            raise ValueError(
+                f"episodes has shape {episodes.shape}, not (W,) = ({self.num_worlds},)"
+            )
+        placed = np.zeros(self.num_worlds, np.bool_)
+        begin_worlds(
+            self.num_worlds,
+            self.scenario,
+            self.task,
+            self.worlds,
+            np.full(self.num_worlds, seed, np.int64),
+            episodes,
+            placed,
+            threads=self.num_threads,
+        )
+        check_placed(placed, self.scenario)
+        self._begun = True
+
+    def step(self, speed: np.ndarray, steering: np.ndarray) -> None:
+        """Advance every world by one step; worlds that have ended go on as well.
+
+        Args:
+            speed: (N, W) of the trucks [m/s]; steering: (N, W) [rad], left positive. Both are cut
+                to the limits of each HAV.
+
+        Raises:
+            ValueError: when a shape is wrong or a number is not finite.
+            RuntimeError: before the first ``reset``.
+        """
+        if not self._begun:
+            raise RuntimeError("call reset before step: the worlds are empty")
+        shape = self.worlds.state.x.shape
+        arrays = []
+        for name, values in (("speed", speed), ("steering", steering)):
+            array = np.asarray(values, float)
+            if array.shape != shape:
+                raise ValueError(f"{name} has shape {array.shape}, but must have (N, W) = {shape}")
+            if not np.isfinite(array).all():
+                raise ValueError(f"{name} holds a number that is not finite")
+            arrays.append(np.ascontiguousarray(array))
+        step_worlds(
+            self.num_worlds, self.task, self.vehicle, self.worlds, *arrays, threads=self.num_threads
+        )
+
+    @property
+    def num_threads(self) -> int:
+        """How many threads are worth their while."""
+        most = max(1, self.worlds.state.x.size // _FEWEST)
+        return min(self.threads or default_threads(), most)
+
+    def world(self, w: int) -> World:
+        """Return the view of one world: the arrays without their last axis."""
+        return view_of(self.worlds, w)
+
+    @property
+    def ended(self) -> np.ndarray:
+        """(W,) bool: the episode is over: all last goals hit, an event that ends it, or time."""
+        state, first = self.worlds.state, self.worlds.record.first
+        over = state.waiting.all(axis=0) | (state.clock[STEP] >= self.task.max_steps)
+        if self.task.on_jackknife == END:
+            over |= (first[:, JACKKNIFE, WHEN] > 0).any(axis=0)
+        if self.task.on_collision == END:
+            over |= (first[:, ACTUAL, WHEN] > 0).any(axis=0)
+        return over
+
+
+def check_seed(seed: Any) -> None:
+    """Raise ValueError or TypeError unless the seed is a whole number of 32 bits."""
+    check_value("seed", Seed, seed)
+
+
+def read_episodes(episodes: Any) -> np.ndarray:
+    """Return the numbers of episodes as int64.
+
+    Raises:
+        ValueError: when one is out of range; TypeError: when they are no whole numbers.
+    """
+    try:
+        array = np.asarray(episodes)
+    except ValueError:  # lists of unequal lengths
+        array = np.array(None)
+    if array.dtype.kind not in "iu" and array.size > 0:
+        told = f"must be whole numbers from 0 to {SEED_LIMIT - 1}"
+        raise TypeError(f"episodes is {show(episodes)}, but {told}")
+    if array.size > 0 and (array.min() < 0 or array.max() >= SEED_LIMIT):
+        worst = array[(array < 0) | (array >= SEED_LIMIT)].flat[0]
+        raise ValueError(f"episodes holds {worst}, but must be from 0 to {SEED_LIMIT - 1}")
+    return np.ascontiguousarray(array, np.int64)
+
+
+def check_placed(placed: np.ndarray, scenario) -> None:
+    """Raise PlacementError when a world had no room for its HAVs."""
+    if not placed.all():
+        raise PlacementError(
+            f"{np.count_nonzero(~placed)} of {placed.size} worlds have no room for"
+            f" {scenario.num_havs} HAVs without potential collisions: {scenario}"
+        )

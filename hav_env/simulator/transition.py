@@ -1,0 +1,205 @@
+"""One step of a block of worlds: the whole decision process on one screen."""
+
+from hav_env.compiled import fixed, kernel, rare_kernel
+from hav_env.maths.geometry import clip
+from hav_env.scenarios import populate
+from hav_env.vehicles import move
+from hav_env.world.arrays import (
+    ACTUAL,
+    EPISODE,
+    JACKKNIFE,
+    PHASE,
+    REMOVED,
+    SEED,
+    SPEED,
+    STEERING,
+    STEP,
+    WHEN,
+)
+from hav_env.world.collision import enclose
+from hav_env.world.continuous_collision import enclose_way, note_axles
+from hav_env.world.events import (
+    assign_goal,
+    clear_record,
+    record_approach,
+    record_collisions,
+    record_motion,
+)
+from hav_env.world.lanes import block_of, moving_block
+from hav_env.world.neighborhood import find_nearby
+from hav_env.world.task import END, REMOVE
+
+_OUTSIDE, _APART = 1e13, 1e8  # [m] where HAVs stand that were removed
+
+
+@kernel
+def begin(scenario, task, world, lane, seed, episode):
+    """Start an episode in one lane; return whether the scenario found room for its HAVs."""
+    state = world.state
+    state.clock[SEED, lane], state.clock[EPISODE, lane] = seed, episode
+    state.clock[STEP, lane] = 0
+    state.speed[..., lane] = 0.0
+    state.steering[..., lane] = 0.0
+    state.ahead[..., lane] = 0.0
+    clear_record(world.record, lane)
+    placed = populate(scenario, world, lane)
+    _begin_phase(world, lane, 0)
+    alone = block_of(world, lane, 1, world.units)
+    for agent in range(state.x.shape[0]):
+        enclose(alone, agent)
+        if task.continuous_collisions:
+            note_axles(alone, agent)
+    find_nearby(task, alone)
+    record_collisions(task, alone)
+    return placed
+
+
+@kernel
+def step(task, vehicle, world, speed, steering):
+    """Advance a block of worlds by one step.
+
+    Args:
+        task, vehicle: the rules and the kinematics.
+        world: the block.
+        speed: (N, W) [m/s] and steering: (N, W) [rad], cut to the limits of each HAV. A HAV that
+            waits at its goal stands, whatever its speed.
+
+    Returns:
+        A number above 0 when worlds may have ended: time is up, a goal was hit, something
+        happened.
+    """
+    num_havs, hits, events = world.state.x.shape[0], 0, 0
+    late_worlds = _count_step(task, world)
+    for hav in range(num_havs):
+        agent = fixed(hav)
+        _command(world, agent, speed, steering)
+        moving = moving_block(world, agent)
+        move(vehicle, task.dt, moving, agent)
+        events += record_motion(task.dt, moving, agent)
+        hits += record_approach(task, moving, agent)
+        if num_havs > 1:
+            enclose(moving, agent)
+            if task.continuous_collisions:
+                enclose_way(moving, agent)
+    if num_havs > 1:
+        find_nearby(task, world)
+        events += record_collisions(task, world)
+        if task.continuous_collisions:
+            for agent in range(num_havs):
+                note_axles(world, agent)
+    if hits > 0:
+        _begin_phases(world)
+    return late_worlds + hits + events
+
+
+@kernel
+def _count_step(task, world):
+    """Count the step; return in how many worlds time is up."""
+    clock, late = world.state.clock, 0
+    for lane in range(world.lanes):
+        clock[STEP, lane] += 1
+        late += clock[STEP, lane] >= task.max_steps
+    return late
+
+
+@kernel
+def _command(world, agent, speed, steering):
+    """Cut speed and steering to the limits of a HAV; one that waits stands."""
+    state, limit = world.state, world.fleet.limit
+    for lane in range(world.lanes):
+        v = clip(speed[agent, lane], 0.0, limit[agent, SPEED, lane])
+        steepest = limit[agent, STEERING, lane]
+        state.speed[agent, lane] = 0.0 if state.waiting[agent, lane] else v
+        state.steering[agent, lane] = clip(steering[agent, lane], -steepest, steepest)
+
+
+@kernel
+def _begin_phases(world):
+    """Give all HAVs of a world their next goal, where all have hit the one under way."""
+    for lane in range(world.lanes):
+        phase = world.state.clock[PHASE, lane] + 1
+        if phase < world.goals.shape[1] and all_wait(world, lane):
+            _begin_phase(world, lane, phase)
+
+
+@kernel
+def _begin_phase(world, lane, phase):
+    world.state.clock[PHASE, lane] = phase
+    for agent in range(world.state.x.shape[0]):
+        world.state.waiting[agent, lane] = False
+        assign_goal(world, agent, lane)
+
+
+@kernel
+def remove_arrived(task, world):
+    """Let HAVs that have hit their last goals leave, if that is the rule; each to its own place.
+
+    Whoever takes an action calls this first, so that what an action led to is seen before.
+    """
+    if task.on_goal == REMOVE:
+        _remove_arrived(task, world)
+
+
+@rare_kernel
+def _remove_arrived(task, world):
+    """Put who leaves where nobody can come: it touches nobody, and nobody senses it.
+
+    A HAV that drives straight on from the farthest start for the longest episode comes 1e12 m far;
+    places are farther from each other than the longest range and two reaches.
+    """
+    removed = world.record.total[:, REMOVED]
+    for lane in range(world.lanes):
+        for agent in range(removed.shape[0]):
+            if arrived(world, agent, lane) and removed[agent, lane] == 0.0:
+                removed[agent, lane] = 1.0
+                world.state.x[agent, lane] = _OUTSIDE + _APART * agent
+                alone = block_of(world, lane, 1, world.units)
+                enclose(alone, agent)
+                if task.continuous_collisions:
+                    note_axles(alone, agent)
+
+
+@kernel
+def arrived(world, agent, lane):
+    """Tell whether a HAV has hit its last goal."""
+    last = world.state.clock[PHASE, lane] == world.goals.shape[1] - 1
+    return last & world.state.waiting[agent, lane]
+
+
+@kernel
+def all_wait(world, lane):
+    """Tell whether all HAVs of a world wait at the goal under way."""
+    for agent in range(world.state.x.shape[0]):
+        if not world.state.waiting[agent, lane]:
+            return False
+    return True
+
+
+@kernel
+def terminated(task, world, agents, lane):
+    """Tell whether an episode is over for the first ``agents`` HAVs of a world.
+
+    It is when all of them have hit their last goals, or one of them had an accident that ends it.
+    HAVs that touch where the scenario put them (in the paper's pairs, one world of a thousand) had
+    none.
+    """
+    first, finished = world.record.first, True
+    for agent in range(agents):
+        jackknifed = first[agent, JACKKNIFE, WHEN, lane] > 0
+        collided = first[agent, ACTUAL, WHEN, lane] > 0
+        if (task.on_jackknife == END and jackknifed) or (task.on_collision == END and collided):
+            return True
+        finished = finished and arrived(world, agent, lane)
+    return finished
+
+
+@kernel
+def late(task, world, lane):
+    """Tell whether time is up."""
+    return world.state.clock[STEP, lane] >= task.max_steps
+
+
+@kernel
+def ended(task, world, lane):
+    """Tell whether an episode is over: terminated, or time is up."""
+    return late(task, world, lane) or terminated(task, world, world.state.x.shape[0], lane)

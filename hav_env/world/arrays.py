@@ -1,0 +1,234 @@
+"""The arrays that a batch of worlds consists of.
+
+Shapes: N HAVs of a world, U units of a HAV (unit 0 is the truck; padded), G goals of a HAV, W
+worlds. The world is the last axis, the "lane": kernels run over HAVs and units outside and over the
+lanes inside, where one instruction works on several worlds. ``World`` names the whole batch as well
+as a block of its lanes.
+
+Quantities that belong together share an array and have named columns: every array is one more
+argument of every kernel, and compiling and calling slow down with their number.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hav_env.compiled import kernel
+from hav_env.maths.elementary import sincos
+from hav_env.maths.geometry import into_frame
+
+Array = Any  # np.ndarray
+
+
+class State(NamedTuple):
+    """What changes from step to step."""
+
+    x: Array  # (N, W) truck's rear axle [m]
+    y: Array  # (N, W)
+    heading: Array  # (N, U, W) of every unit [rad], not wrapped, so that full turns show
+    cosine: Array  # (N, U, W) of the heading, kept with it: most rules need it
+    sine: Array  # (N, U, W)
+    speed: Array  # (N, W) v^0 of the truck [m/s], in the step done
+    steering: Array  # (N, W) phi of the truck [rad], in the step done
+    ahead: Array  # (3, W) scratch: of the unit ahead while the units of a HAV move one by one
+    goal: Array  # (N, 6, W) the goal under way, columns X .. DISTANCE
+    waiting: Array  # (N, W) bool: at its goal, maximum speed zero until all are
+    clock: Array  # (4, W) columns STEP .. EPISODE
+
+
+AHEAD_SPEED, AHEAD_COSINE, AHEAD_SINE = range(3)
+X, Y, HEADING, COSINE, SINE, DISTANCE = range(6)  # of a goal [m, m, rad]; how far it is [m]
+STEP, PHASE, SEED, EPISODE = range(4)  # steps done; goal under way; the key of the episode
+
+
+class Fleet(NamedTuple):
+    """What a HAV is: lengths and limits."""
+
+    num_trailers: Array  # (N, W)
+    length: Array  # (N, U, W) wheelbase l^0, trailer lengths l^j [m], inf beyond the last
+    radius: Array  # (N, 2, W) columns FOOTPRINT, STABLE [m]
+    limit: Array  # (N, 5, W) columns SPEED [m/s], STEERING, ARTICULATION [rad], STEERING_COSINE ..
+
+
+FOOTPRINT, STABLE = range(2)  # d_i, the sum of the trailers' lengths; R_min, eq. (rmin)
+SPEED, STEERING, ARTICULATION, STEERING_COSINE, STEERING_SINE = range(5)
+
+
+FEW = 16  # HAVs up to which looking at all pairs is quicker than a grid
+
+
+class Nearby(NamedTuple):
+    """Who is within sensing range of whom, found anew after every step."""
+
+    count: Array  # (N, W)
+    index: Array  # (N, N - 1, W) in ascending order
+    box: Array  # (N, 6, W) round the chain of a HAV, columns LEFT .. END_Y [m]
+    were: Array  # (N, 2 + 2 U, W) x and y of the axles before the step; empty if not asked for
+    grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; for small swarms empty
+    place: Array  # (W, 3, N) scratch of the search: x, y, reach
+
+
+LEFT, RIGHT, LOW, HIGH, END_X, END_Y = range(6)  # the end is the last axle
+COLUMN, ROW, NEXT, BUCKET = range(4)  # cell of a HAV; next HAV in its bucket; first in a bucket
+
+
+class Record(NamedTuple):
+    """What has happened to each HAV since the episode began."""
+
+    first: Array  # (N, 3, 2, W) JACKKNIFE .. ACTUAL: WHEN (step) and WHERE (joint or partner)
+    total: Array  # (N, 4, W) columns LARGEST .. REMOVED
+    goal: Array  # (N, G, 6, W) columns HIT_STEP .. CLOSEST
+    miss: Array  # (N, G, 2, 3 + U - 1, W) HEADING_MISS, EUCLIDEAN_MISS: MISS_COUNT ..
+
+
+NEVER = -1
+JACKKNIFE, POTENTIAL, ACTUAL = range(3)
+WHEN, WHERE = range(2)
+# largest articulation [rad], not wrapped: beyond pi the HAV folded through; driven path [m];
+# steps in which the HAV was not waiting; 1.0 once it was removed from the world
+LARGEST, PATH, MOVED, REMOVED = range(4)
+# at the hit: step, distance [m], absolute heading difference [rad], path driven since the episode
+# began [m]; Dubins length with R_min from where the goal was assigned, least distance so far [m]
+HIT_STEP, HIT_DISTANCE, HIT_HEADING, HIT_PATH, DUBINS, CLOSEST = range(6)
+HEADING_MISS, EUCLIDEAN_MISS = range(2)
+# steps in such a close miss; at the narrowest one: distance [m], absolute heading difference [rad]
+# and from column MISS_ARTICULATION on all articulations [rad]
+MISS_COUNT, MISS_DISTANCE, MISS_HEADING, MISS_ARTICULATION = range(4)
+
+
+class World(NamedTuple):
+    """All arrays of a batch, or of a block of its lanes."""
+
+    state: State
+    fleet: Fleet
+    goals: Array  # (N, G, 3, W) goal poses: x [m], y [m], heading [rad]
+    nearby: Nearby
+    record: Record
+    first: int  # which world of the batch lane 0 is
+    lanes: int  # how many worlds there are from lane 0 on
+    units: int  # to how many units of a HAV loops reach
+
+
+def allocate_worlds(
+    num_worlds: int,
+    num_havs: int,
+    num_units: int,
+    num_goals: int,
+    continuous: bool = False,
+    zeros: Callable[..., np.ndarray] = np.zeros,
+) -> World:
+    """Return the arrays of a batch; a scenario fills them.
+
+    Args:
+        num_worlds, num_havs, num_units, num_goals: W, N, U, G.
+        continuous: whether collisions between steps are looked for.
+
+    Until then they hold HAVs that wait far from each other, which costs little to step along.
+    """
+    n, u, g, w = num_havs, num_units, num_goals, num_worlds
+    buckets = 1 << (2 * n - 1).bit_length()  # a power of two, at least twice the HAVs
+    searched = n if n > FEW else 0
+
+    def real(*shape: int) -> np.ndarray:
+        return zeros((*shape, w), np.float64)
+
+    def whole(*shape: int) -> np.ndarray:
+        return zeros((*shape, w), np.int64)
+
+    far_apart = real(n) + 1e6 * np.arange(n)[:, None]  # [m]
+    waiting = np.ones((n, w), np.bool_)
+    return World(
+        State(
+            *(far_apart, real(n), real(n, u), real(n, u), real(n, u), real(n), real(n)),
+            *(real(3), real(n, 6), waiting, whole(4)),
+        ),
+        Fleet(whole(n), *(real(n, size) + 1.0 for size in (u, 2, 5))),
+        real(n, g, 3),
+        Nearby(
+            whole(n),
+            whole(n, n - 1),
+            real(n, 6),
+            real(n, 2 + 2 * u if continuous else 0),
+            zeros((w, 4, buckets if searched else 0), np.int64),
+            zeros((w, 3, searched), np.float64),
+        ),
+        Record(whole(n, 3, 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
+        0,
+        num_worlds,
+        num_units,
+    )
+
+
+def world_size(num_havs: int, num_units: int, num_goals: int, continuous: bool = False) -> int:
+    """Return how many bytes the arrays of one world take; nothing is allocated."""
+
+    def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
+        return np.broadcast_to(kind(0), shape)
+
+    worlds = allocate_worlds(1, num_havs, num_units, num_goals, continuous, unbacked)
+    parts = (*worlds.state, *worlds.fleet, worlds.goals, *worlds.nearby, *worlds.record)
+    return sum(part.nbytes for part in parts)
+
+
+@kernel
+def turn_unit(state, agent, unit, lane, heading):
+    """Give a unit a heading [rad]; return its cosine and sine, which are kept with it."""
+    sine, cosine = sincos(heading)
+    state.heading[agent, unit, lane] = heading
+    state.cosine[agent, unit, lane] = cosine
+    state.sine[agent, unit, lane] = sine
+    return cosine, sine
+
+
+@kernel
+def put_straight(state, agent, lane, x, y, heading):
+    """Put a HAV somewhere without articulation: every unit has the truck's heading [rad]."""
+    state.x[agent, lane] = x
+    state.y[agent, lane] = y
+    for unit in range(state.heading.shape[1]):
+        turn_unit(state, agent, unit, lane, heading)
+
+
+@kernel
+def derive_radii(fleet, agent, lane, truck_share):
+    """Set what follows from a HAV's lengths: footprint radius d_i and minimal stable radius R_min.
+
+    d_i = sum_j l^j over the trailers, plus a share of the truck's length (the paper's is 0).
+
+    R_min = sqrt(sum_j (l^j)^2) over the truck and all trailers, eq. (rmin).
+    """
+    truck = fleet.length[agent, 0, lane]
+    footprint, squares = truck_share * truck, truck * truck
+    for unit in range(1, fleet.num_trailers[agent, lane] + 1):
+        length = fleet.length[agent, unit, lane]
+        footprint += length
+        squares += length * length
+    fleet.radius[agent, FOOTPRINT, lane] = footprint
+    fleet.radius[agent, STABLE, lane] = math.sqrt(squares)
+
+
+@kernel
+def set_limits(scenario, fleet, agent, lane):
+    """Set the limits of a HAV to its scenario's."""
+    sine, cosine = sincos(scenario.steering_max)
+    fleet.limit[agent, SPEED, lane] = scenario.speed_max
+    fleet.limit[agent, STEERING, lane] = scenario.steering_max
+    fleet.limit[agent, ARTICULATION, lane] = scenario.articulation_max
+    fleet.limit[agent, STEERING_COSINE, lane] = cosine
+    fleet.limit[agent, STEERING_SINE, lane] = sine
+
+
+@kernel
+def into_truck_frame(state, agent, lane, dx, dy):
+    """Rotate a difference of positions [m], or a direction, into a truck's frame: forward, left."""
+    return into_frame(dx, dy, state.cosine[agent, 0, lane], state.sine[agent, 0, lane])
+
+
+@kernel
+def truck_distance(state, agent, other, lane):
+    """Return the distance [m] between the rear axles of two trucks."""
+    dx = state.x[other, lane] - state.x[agent, lane]
+    dy = state.y[other, lane] - state.y[agent, lane]
+    return math.sqrt(dx * dx + dy * dy)

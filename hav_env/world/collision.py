@@ -1,0 +1,129 @@
+"""Footprints and chains: whether HAVs could touch, and whether they do."""
+
+import math
+
+from hav_env.compiled import kernel
+from hav_env.maths.geometry import nearest_on_segment, segments_intersect
+from hav_env.world.arrays import END_X, END_Y, FOOTPRINT, HIGH, LEFT, LOW, RIGHT, truck_distance
+
+
+@kernel
+def collision_distance(fleet, agent, other, lane):
+    """Return d_ih = d_i + d_h [m], the sum of two footprint radii."""
+    return fleet.radius[agent, FOOTPRINT, lane] + fleet.radius[other, FOOTPRINT, lane]
+
+
+@kernel
+def potential_collision(world, agent, other, lane):
+    """Tell whether the footprint circles of two HAVs overlap, eq. (potential-collision)."""
+    distance = truck_distance(world.state, agent, other, lane)
+    return distance <= collision_distance(world.fleet, agent, other, lane)
+
+
+@kernel
+def reach(fleet, agent, lane):
+    """Return the radius [m] round the truck's rear axle that holds the whole HAV.
+
+    The paper's footprint holds the trailers; a truck may be longer than all of them.
+    """
+    return max(fleet.radius[agent, FOOTPRINT, lane], fleet.length[agent, 0, lane])
+
+
+@kernel
+def axle_behind(world, agent, unit, lane, x, y):
+    """Return the position [m] of a unit's rear end, given that of its front end.
+
+    They are the same for a unit beyond the HAV's last.
+    """
+    present = unit <= world.fleet.num_trailers[agent, lane]
+    length = world.fleet.length[agent, unit, lane] if present else 0.0
+    return (
+        x - length * world.state.cosine[agent, unit, lane],
+        y - length * world.state.sine[agent, unit, lane],
+    )
+
+
+@kernel
+def front_axle(world, agent, lane):
+    """Return the position [m] of the truck's front axle, where the chain begins."""
+    length = world.fleet.length[agent, 0, lane]
+    return (
+        world.state.x[agent, lane] + length * world.state.cosine[agent, 0, lane],
+        world.state.y[agent, lane] + length * world.state.sine[agent, 0, lane],
+    )
+
+
+@kernel
+def enclose(world, agent):
+    """Find the box round the chain of axles of a HAV, in every lane of a block."""
+    box = world.nearby.box
+    for lane in range(world.lanes):
+        x, y = front_axle(world, agent, lane)
+        box[agent, LEFT, lane] = box[agent, RIGHT, lane] = box[agent, END_X, lane] = x
+        box[agent, LOW, lane] = box[agent, HIGH, lane] = box[agent, END_Y, lane] = y
+    for unit in range(world.units):
+        for lane in range(world.lanes):
+            x, y = box[agent, END_X, lane], box[agent, END_Y, lane]
+            x, y = axle_behind(world, agent, unit, lane, x, y)
+            box[agent, LEFT, lane] = min(box[agent, LEFT, lane], x)
+            box[agent, RIGHT, lane] = max(box[agent, RIGHT, lane], x)
+            box[agent, LOW, lane] = min(box[agent, LOW, lane], y)
+            box[agent, HIGH, lane] = max(box[agent, HIGH, lane], y)
+            box[agent, END_X, lane], box[agent, END_Y, lane] = x, y
+
+
+@kernel
+def boxes_overlap(world, agent, other, lane):
+    """Tell whether the boxes round two HAVs, as ``enclose`` found them, have a point in common."""
+    box = world.nearby.box
+    apart = box[agent, RIGHT, lane] < box[other, LEFT, lane]
+    apart = apart | (box[other, RIGHT, lane] < box[agent, LEFT, lane])
+    apart = apart | (box[agent, HIGH, lane] < box[other, LOW, lane])
+    apart = apart | (box[other, HIGH, lane] < box[agent, LOW, lane])
+    return not apart
+
+
+@kernel
+def actual_collision(world, agent, other, lane):
+    """Tell whether the chains of axles of two HAVs have a point in common, eq. (collision).
+
+    Exact and slow: for HAVs whose boxes overlap.
+    """
+    ax, ay = front_axle(world, agent, lane)
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        bx, by = axle_behind(world, agent, unit, lane, ax, ay)
+        cx, cy = front_axle(world, other, lane)
+        for other_unit in range(world.fleet.num_trailers[other, lane] + 1):
+            dx, dy = axle_behind(world, other, other_unit, lane, cx, cy)
+            if segments_intersect(ax, ay, bx, by, cx, cy, dx, dy):
+                return True
+            cx, cy = dx, dy
+        ax, ay = bx, by
+    return False
+
+
+@kernel
+def nearest_on_chain(world, agent, lane, x, y):
+    """Return the point of the chain of axles of a HAV that is nearest to a place [m]."""
+    ax, ay = front_axle(world, agent, lane)
+    least, nearest_x, nearest_y = math.inf, ax, ay
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        length = world.fleet.length[agent, unit, lane]
+        back_x, back_y = (
+            -world.state.cosine[agent, unit, lane],
+            -world.state.sine[agent, unit, lane],
+        )
+        px, py = nearest_on_segment(ax, ay, back_x, back_y, length, x, y)
+        squared = (px - x) * (px - x) + (py - y) * (py - y)
+        if squared < least:
+            least, nearest_x, nearest_y = squared, px, py
+        ax, ay = ax + length * back_x, ay + length * back_y
+    return nearest_x, nearest_y
+
+
+@kernel
+def front_gap(world, agent, other, lane):
+    """Return the distance [m] from the truck's front axle to the chain of another HAV."""
+    x, y = front_axle(world, agent, lane)
+    px, py = nearest_on_chain(world, other, lane, x, y)
+    return math.sqrt((px - x) * (px - x) + (py - y) * (py - y))

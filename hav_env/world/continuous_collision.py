@@ -1,0 +1,116 @@
+"""Continuous collision detection: chains whose axles go straight from step to step.
+
+Each axle goes at constant speed from its place before a step to its place after it. Two links meet
+when an end of one passes through the other, which is a root of a quadratic of time.
+"""
+
+import math
+
+from hav_env.compiled import kernel, rare_kernel
+from hav_env.maths.geometry import segments_intersect
+from hav_env.world.arrays import HIGH, LEFT, LOW, RIGHT
+from hav_env.world.collision import axle_behind, front_axle
+
+
+@rare_kernel
+def _passes(p, q, a, to_p, to_q, to_a):
+    """Tell whether a moving point passes through a moving segment p-q.
+
+    Points are pairs (x, y) [m] before and after. Twice the area of the triangle of the three is a
+    quadratic of time; the point passes at a root at which it is between both ends.
+    """
+    ux, uy = q[0] - p[0], q[1] - p[1]
+    vx, vy = a[0] - p[0], a[1] - p[1]
+    du_x, du_y = to_q[0] - to_p[0] - ux, to_q[1] - to_p[1] - uy
+    dv_x, dv_y = to_a[0] - to_p[0] - vx, to_a[1] - to_p[1] - vy
+    constant = ux * vy - uy * vx
+    linear = ux * dv_y - uy * dv_x + du_x * vy - du_y * vx
+    quadratic = du_x * dv_y - du_y * dv_x
+    root = linear * linear - 4.0 * quadratic * constant
+    if root < 0.0:
+        return False
+    # the form that loses no digits where the quadratic part is small
+    part = -0.5 * (linear + math.copysign(math.sqrt(root), linear))
+    first = part / quadratic if quadratic != 0.0 else math.inf
+    second = constant / part if part != 0.0 else math.inf
+    return _is_between(first, ux, uy, vx, vy, du_x, du_y, dv_x, dv_y) or _is_between(
+        second, ux, uy, vx, vy, du_x, du_y, dv_x, dv_y
+    )
+
+
+@kernel
+def _is_between(share, ux, uy, vx, vy, du_x, du_y, dv_x, dv_y):
+    """Tell whether at a time from 0 to 1 the point v is beside the segment from the origin to u."""
+    if not 0.0 <= share <= 1.0:
+        return False
+    ux, uy, vx, vy = ux + share * du_x, uy + share * du_y, vx + share * dv_x, vy + share * dv_y
+    along, squared = ux * vx + uy * vy, ux * ux + uy * uy
+    return squared > 0.0 and 0.0 <= along <= squared
+
+
+@rare_kernel
+def moving_segments_meet(a, b, c, d, to_a, to_b, to_c, to_d):
+    """Tell whether the segments a-b and c-d have a point in common at any time of a step.
+
+    Args:
+        a, b, c, d: their ends before the step (x, y) [m]; to_a .. to_d: after it. Each end goes
+            straight, at constant speed.
+    """
+    return (
+        segments_intersect(*to_a, *to_b, *to_c, *to_d)
+        or _passes(a, b, c, to_a, to_b, to_c)
+        or _passes(a, b, d, to_a, to_b, to_d)
+        or _passes(c, d, a, to_c, to_d, to_a)
+        or _passes(c, d, b, to_c, to_d, to_b)
+    )
+
+
+@kernel
+def note_axles(world, agent):
+    """Note where the axles of a HAV are before the next step, in every lane of a block."""
+    were = world.nearby.were
+    for lane in range(world.lanes):
+        x, y = front_axle(world, agent, lane)
+        were[agent, 0, lane], were[agent, 1, lane] = x, y
+    for unit in range(world.units):
+        for lane in range(world.lanes):
+            x, y = were[agent, 2 * unit, lane], were[agent, 2 * unit + 1, lane]
+            x, y = axle_behind(world, agent, unit, lane, x, y)
+            were[agent, 2 * unit + 2, lane], were[agent, 2 * unit + 3, lane] = x, y
+
+
+@kernel
+def enclose_way(world, agent):
+    """Widen the box round the chain of a HAV to where its axles were before the step."""
+    were, box = world.nearby.were, world.nearby.box
+    for axle in range(world.units + 1):
+        for lane in range(world.lanes):
+            x, y = were[agent, 2 * axle, lane], were[agent, 2 * axle + 1, lane]
+            box[agent, LEFT, lane] = min(box[agent, LEFT, lane], x)
+            box[agent, RIGHT, lane] = max(box[agent, RIGHT, lane], x)
+            box[agent, LOW, lane] = min(box[agent, LOW, lane], y)
+            box[agent, HIGH, lane] = max(box[agent, HIGH, lane], y)
+
+
+@kernel
+def _was(world, agent, axle, lane):
+    """Return where an axle was before the step [m]."""
+    were = world.nearby.were
+    return were[agent, 2 * axle, lane], were[agent, 2 * axle + 1, lane]
+
+
+@rare_kernel
+def collision_between(world, agent, other, lane):
+    """Tell whether the chains of two HAVs have met since the step before, or do so now."""
+    a, to_a = _was(world, agent, 0, lane), front_axle(world, agent, lane)
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        b, to_b = _was(world, agent, unit + 1, lane), axle_behind(world, agent, unit, lane, *to_a)
+        c, to_c = _was(world, other, 0, lane), front_axle(world, other, lane)
+        for other_unit in range(world.fleet.num_trailers[other, lane] + 1):
+            d = _was(world, other, other_unit + 1, lane)
+            to_d = axle_behind(world, other, other_unit, lane, *to_c)
+            if moving_segments_meet(a, b, c, d, to_a, to_b, to_c, to_d):
+                return True
+            c, to_c = d, to_d
+        a, to_a = b, to_b
+    return False

@@ -1,0 +1,137 @@
+"""Lanes: blocks of a batch's worlds, worlds that change places, and the view of one."""
+
+from typing import Any
+
+import numpy as np
+
+from hav_env.compiled import VECTOR, kernel, lanes_from, rare_kernel
+from hav_env.world.arrays import Fleet, Nearby, Record, State, World
+
+LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
+# the same where observations and rewards are written as well: these rows are many, and longer
+# ones are read ahead
+OBSERVED_LANES = 256
+APART = OBSERVED_LANES + VECTOR  # rows at this distance do not drive each other out of the cache
+
+
+@kernel
+def block_of(worlds, first, lanes, units):
+    """Return ``lanes`` worlds of a batch, from world ``first`` on, with loops to ``units``."""
+    state, fleet, nearby, record = worlds.state, worlds.fleet, worlds.nearby, worlds.record
+    return World(
+        State(
+            lanes_from(state.x, first),
+            lanes_from(state.y, first),
+            lanes_from(state.heading, first),
+            lanes_from(state.cosine, first),
+            lanes_from(state.sine, first),
+            lanes_from(state.speed, first),
+            lanes_from(state.steering, first),
+            lanes_from(state.ahead, first),
+            lanes_from(state.goal, first),
+            lanes_from(state.waiting, first),
+            lanes_from(state.clock, first),
+        ),
+        Fleet(
+            lanes_from(fleet.num_trailers, first),
+            lanes_from(fleet.length, first),
+            lanes_from(fleet.radius, first),
+            lanes_from(fleet.limit, first),
+        ),
+        lanes_from(worlds.goals, first),
+        Nearby(
+            lanes_from(nearby.count, first),
+            lanes_from(nearby.index, first),
+            lanes_from(nearby.box, first),
+            lanes_from(nearby.were, first),
+            nearby.grid,
+            nearby.place,
+        ),
+        Record(
+            lanes_from(record.first, first),
+            lanes_from(record.total, first),
+            lanes_from(record.goal, first),
+            lanes_from(record.miss, first),
+        ),
+        worlds.first + first,
+        lanes,
+        units,
+    )
+
+
+@kernel
+def moving_block(world, agent):
+    """Return the lanes in which a HAV moves, as a block whose loops reach to its last unit there.
+
+    It may wait in some lanes between, and at the ends, which are at whole vectors where possible.
+    """
+    first, end, longest = 0, world.lanes, 0
+    while first < end and world.state.waiting[agent, first]:
+        first += 1
+    while first < end and world.state.waiting[agent, end - 1]:
+        end -= 1
+    first = first // VECTOR * VECTOR
+    end = min((end + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
+    for lane in range(first, end):
+        longest = max(longest, world.fleet.num_trailers[agent, lane])
+    return block_of(world, first, max(end - first, 0), longest + 1)
+
+
+@kernel
+def exchange_lanes(one, lane, other, to):
+    """Exchange a lane of an array with a lane of another one, or of its own."""
+    for index in np.ndindex(one.shape[:-1]):
+        kept = other[(*index, to)]
+        other[(*index, to)] = one[(*index, lane)]
+        one[(*index, lane)] = kept
+
+
+@rare_kernel
+def exchange_worlds(one, lane, other, to):
+    """Exchange the worlds in two lanes of batches of the same shapes, or of one batch.
+
+    Scratch stays: whoever uses it begins anew.
+    """
+    exchange_lanes(one.state.x, lane, other.state.x, to)
+    exchange_lanes(one.state.y, lane, other.state.y, to)
+    exchange_lanes(one.state.heading, lane, other.state.heading, to)
+    exchange_lanes(one.state.cosine, lane, other.state.cosine, to)
+    exchange_lanes(one.state.sine, lane, other.state.sine, to)
+    exchange_lanes(one.state.speed, lane, other.state.speed, to)
+    exchange_lanes(one.state.steering, lane, other.state.steering, to)
+    exchange_lanes(one.state.goal, lane, other.state.goal, to)
+    exchange_lanes(one.state.waiting, lane, other.state.waiting, to)
+    exchange_lanes(one.state.clock, lane, other.state.clock, to)
+    exchange_lanes(one.fleet.num_trailers, lane, other.fleet.num_trailers, to)
+    exchange_lanes(one.fleet.length, lane, other.fleet.length, to)
+    exchange_lanes(one.fleet.radius, lane, other.fleet.radius, to)
+    exchange_lanes(one.fleet.limit, lane, other.fleet.limit, to)
+    exchange_lanes(one.goals, lane, other.goals, to)
+    exchange_lanes(one.nearby.count, lane, other.nearby.count, to)
+    exchange_lanes(one.nearby.index, lane, other.nearby.index, to)
+    exchange_lanes(one.nearby.box, lane, other.nearby.box, to)
+    exchange_lanes(one.nearby.were, lane, other.nearby.were, to)
+    exchange_lanes(one.record.first, lane, other.record.first, to)
+    exchange_lanes(one.record.total, lane, other.record.total, to)
+    exchange_lanes(one.record.goal, lane, other.record.goal, to)
+    exchange_lanes(one.record.miss, lane, other.record.miss, to)
+
+
+def view_of(worlds: World, w: int) -> World:
+    """Return the view of one world in Python: the arrays without their last axis."""
+
+    def view(arrays: Any) -> Any:
+        return type(arrays)(*(array[..., w] for array in arrays))
+
+    nearby = worlds.nearby
+    count, index, box, were = (array[..., w] for array in nearby[:4])
+    return World(
+        view(worlds.state),
+        view(worlds.fleet),
+        worlds.goals[..., w],
+        Nearby(count, index, box, were, nearby.grid, nearby.place),
+        view(worlds.record),
+        w,
+        1,
+        worlds.units,
+    )

@@ -1,0 +1,145 @@
+"""The commands take a policy in a file by its name; what does not fit is one line."""
+
+import functools
+import pathlib
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from baselines.__main__ import main
+from baselines.experiments import reproduce
+from baselines.figures import paper as figures
+from baselines.policies.files import save_policy
+from hav_env import Task
+from tests.support.budgets import budget
+from tests.support.networks import doctor, random_network
+
+SHORT = ["--task.max-steps", str(budget(300, 20))]
+
+
+@pytest.fixture
+def path(tmp_path) -> pathlib.Path:
+    """Return the file of a policy for a single HAV, which is blind to others."""
+    save_policy(random_network(), tmp_path / "chance.policy", {})
+    return tmp_path / "chance.policy"
+
+
+def run(capsys, *arguments):
+    code = main(list(map(str, arguments)))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_evaluate_takes_files_among_names(path, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    save_policy(random_network(1), tmp_path / "other.policy", {})
+    common = ["--scenario", "paper-pair", "--episodes", 3, "--output", "results", *SHORT]
+    code, out, _ = run(capsys, "evaluate", "random", "chance.policy", "other.policy", *common)
+    assert code == 0
+    assert "chance.policy" in out
+    tables = [f"{name}.parquet" for name in ("random", "chance-policy", "other-policy")]
+    assert [pq.read_table(tmp_path / "results" / name).num_rows for name in tables] == [6, 6, 6]
+    assert run(capsys, "evaluate", "./chance.policy", *common)[0] == 0
+    save_policy(random_network(2), path, {})  # the same name, but another policy
+    code, _, err = run(capsys, "evaluate", "chance.policy", *common)
+    assert code == 2
+    assert "another policy" in err
+
+
+def test_watch_shows_a_file(path, tmp_path, capsys):
+    page = tmp_path / "x.html"
+    assert run(capsys, "watch", path, "--output", page, *SHORT)[0] == 0
+    assert "chance.policy" in page.read_text()
+
+
+def test_reproduce_takes_a_policy_that_is_blind_to_others(path, tmp_path, capsys, monkeypatch):
+    # who was not trained hits no goals: episodes would take their full time
+    short = {"task": Task(max_steps=budget(2_000, 10))}
+    for module, name in ((reproduce, "Experiments"), (figures, "draw_all")):
+        monkeypatch.setattr(module, name, functools.partial(getattr(module, name), **short))
+    code, out, err = run(
+        capsys, "reproduce", "--policy", path, "--experiments", budget(4, 2),
+        "--output", tmp_path / "results",
+    )  # fmt: skip
+    assert code == 0, err
+    assert "86.76 %" in out
+    found = {file.name for file in (tmp_path / "results").iterdir()}
+    assert {"single.parquet", "pair.parquet", "report.md"} <= found
+    report = (tmp_path / "results/report.md").read_text()
+    assert "frame_skip=5" in report
+    assert max(map(len, report.splitlines())) < 2_000  # it does not list the weights
+    assert len(report.splitlines()) < 100
+
+
+def pair(path):
+    save_policy(random_network(neighbors=1), path, {})
+
+
+def of_short_havs(path):
+    save_policy(random_network(max_trailers=3), path, {})
+
+
+def text(path):
+    path.write_text("hello")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "write", "message"),
+    [
+        (["evaluate", "FILE"], pathlib.Path.unlink, "there is no policy file"),
+        (["evaluate", "FILE"], text, "is no policy file, or a broken one"),
+        (["evaluate", "FILE"], pair, "trained to observe 1 neighbors"),
+        (["evaluate", "FILE"], of_short_havs, "up to 3 trailers"),
+        (["evaluate", "random", "FILE"], text, "is no policy file, or a broken one"),
+        (["evaluate", "FILE", "--policy.beta", "1"], None, "--policy.beta"),
+        (["evaluate", "FILE", "--policy.frame-skip", "1"], None, "--policy.frame-skip"),
+        (["evaluate", "FILE", "--policy.limit=1"], None, "--policy.limit"),
+        (["watch", "FILE", "--policy.beta", "1"], None, "--policy.beta"),
+        (["reproduce", "--policy", "FILE", "--policy.beta", "1"], None, "--policy.beta"),
+        (["watch", "FILE"], pathlib.Path.unlink, "there is no policy file"),
+        (["watch", "FILE"], pair, "trained to observe 1 neighbors"),
+        (["reproduce", "--policy", "FILE"], pathlib.Path.unlink, "there is no policy file"),
+        (["reproduce", "--policy", "FILE"], pair, "trained to observe 1 neighbors"),
+        (["reproduce", "--policy", "FILE"], text, "is no policy file, or a broken one"),
+        (["evaluate", "chance.policies"], None, "FILE.policy"),
+        (
+            ["evaluate", "nobody"],
+            None,
+            "random, reserve, ppo_single, ppo_pair, ppo_beginner, FILE.policy, module:Class",
+        ),
+    ],
+)
+def test_bad_input_is_one_line_and_an_exit_code(arguments, write, message, path, tmp_path, capsys):
+    if write is not None:
+        write(path)
+    words = [str(path) if word == "FILE" else word for word in arguments]
+    output = tmp_path / ("x.html" if words[0] == "watch" else "results")
+    code, _, err = run(capsys, *words, "--output", output)
+    said = [line for line in err.splitlines() if line.startswith("error: ")]
+    assert code == 2
+    assert len(said) == 1
+    assert message in said[0]
+    assert not list(tmp_path.glob("**/*.parquet"))
+    assert not (tmp_path / "x.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sizes": [52, 9, 2]}, "sizes is [52, 9, 2], which does not fit"),
+        ({"sizes": [52]}, "sizes is int64 of shape (1,), which does not fit"),
+        ({"weights": np.zeros(5, np.float32)}, "weights is float64 of shape (5,), which does not"),
+        ({"mean": np.zeros(5)}, "mean is float64 of shape (5,), which does not fit"),
+        ({"scale": np.full(56, np.inf)}, "policy scale"),
+        ({"weights": np.full(474, np.nan)}, "policy weights"),
+        ({"frame_skip": 0}, "frame_skip is 0"),
+    ],
+    ids=["a unit more", "no layer", "few weights", "few means", "infinite", "nan", "no step"],
+)
+def test_contents_that_do_not_fit_together_are_named(changes, message, path, capsys):
+    doctor(path, **changes)
+    code, _, err = run(capsys, "evaluate", path, "--episodes", 1, *SHORT)
+    assert code == 2
+    assert len([line for line in err.splitlines() if line.startswith("error: ")]) == 1
+    assert message in err

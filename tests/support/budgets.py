@@ -1,0 +1,13 @@
+"""This module says how many examples a run can afford: plain Python is a hundred times slower."""
+
+import numba
+
+COMPILED = not numba.config.DISABLE_JIT  # coverage is measured without compilation
+
+
+COMPARED = "the compiled suite runs both ways and compares them"
+
+
+def budget(compiled: int, pure: int) -> int:
+    """Return how many examples to run: pure Python is a hundred times slower."""
+    return compiled if COMPILED else pure

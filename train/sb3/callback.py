@@ -1,0 +1,96 @@
+"""What happens between the iterations of a training: log, bar, evaluations, checkpoints."""
+
+import json
+import time
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.callbacks import BaseCallback
+
+from baselines.cli.progress import new_bar
+from baselines.storage.atomic_files import write_text
+from train.curriculum import reward_at
+from train.scores import evaluate, score
+
+
+class Between(BaseCallback):
+    """The callback of one sitting."""
+
+    def __init__(self, run: Any) -> None:
+        """Take a ``train.ppo.Run``, wherever it has got to."""
+        super().__init__()
+        self.run = run
+        self.begun, self.spent = time.monotonic(), run.seconds
+        self.first = run.learner.num_timesteps
+        self.ended: list[dict[str, Any]] = []  # infos of episodes since the last log
+        self.bar = new_bar("decisions")
+        total = run.arguments.decisions
+        self.task = self.bar.add_task("", total=total, completed=self.first, rate="")
+
+    def __enter__(self) -> "Between":
+        self.bar.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.bar.stop()
+
+    def _on_step(self) -> bool:
+        infos = self.locals["infos"]
+        self.ended += [infos[row] for row in np.flatnonzero(self.locals["dones"])]
+        return True
+
+    def _on_rollout_start(self) -> None:
+        """Log, evaluate, write the checkpoint: after an update, before the next rollout."""
+        run, done = self.run, self.num_timesteps
+        if done == self.first:
+            run.restore_random_numbers()
+        arguments = run.arguments
+        progress = done / arguments.decisions
+        run.process.set_reward(reward_at(arguments.curriculum, arguments.reward, progress))
+        with torch.no_grad():
+            run.learner.policy.log_std.clamp_(min=float(np.log(arguments.least_deviation)))
+        run.seconds = self.spent + time.monotonic() - self.begun
+        self._log()
+        each = arguments.worlds * run.process.num_havs * arguments.rollout_decisions
+        if done > self.first:
+            if done % arguments.evaluate_every < each:
+                self._evaluate()
+            if done % arguments.checkpoint_every < each:
+                run.write_checkpoint()
+        rate = (done - self.first) / max(time.monotonic() - self.begun, 1e-9)
+        last = run.curve[-1] if run.curve else {}
+        told = f"{rate:,.0f}/s" + "".join(
+            f", {name} {100 * last[name]:.1f} %" for name in last if name.endswith(" hit")
+        )
+        self.bar.update(self.task, completed=done, rate=told)
+
+    def _on_training_end(self) -> None:
+        self.run.seconds = self.spent + time.monotonic() - self.begun
+        self._log()
+        self._evaluate()
+        self.logger.dump(self.num_timesteps)  # after the last rollout nobody else does
+        self.run.write_checkpoint()
+
+    def _log(self) -> None:
+        """Record the means of what episodes came to: every term of the reward, every event."""
+        ended, self.ended = self.ended, []
+        for name in ended[0] if ended else ():
+            if isinstance(ended[0][name], float) and name not in ("seed", "episode_number"):
+                self.logger.record(f"episodes/{name}", np.mean([info[name] for info in ended]))
+        self.logger.record("episodes/count", len(ended))
+
+    def _evaluate(self) -> None:
+        """Score the policy on the held-out episodes, keep it, and keep it as the best if it is."""
+        run = self.run
+        arguments = run.arguments
+        found = evaluate(run.policy(), arguments.scenario, arguments.evaluation_episodes)
+        for name, value in found.items():
+            self.logger.record(f"held_out/{name.replace(' / ', '_per_').replace(' ', '_')}", value)
+        best = max((row["score"] for row in run.curve), default=-np.inf)
+        row = {"decisions": self.num_timesteps, "hours": run.seconds / 3_600, **found}
+        run.curve.append(row | {"score": score(found)})
+        write_text(json.dumps(run.curve, indent=1) + "\n", run.arguments.output / "curve.json")
+        run.save("last.policy")
+        if run.curve[-1]["score"] > best:
+            run.save("best.policy")
