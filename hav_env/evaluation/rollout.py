@@ -16,9 +16,11 @@ from hav_env.compiled import (
 )
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.policies.interface import act_all, allocate_memory, check_models
+from hav_env.policies.names import make_policy
+from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.batch import Batch, read_episodes
 from hav_env.simulator.transition import ended, remove_arrived, step
-from hav_env.vehicles import OnAxle
+from hav_env.vehicles import VEHICLES, OnAxle
 from hav_env.world.arrays import FEW, PHASE, allocate_worlds
 from hav_env.world.lanes import LANES, block_of, exchange_lanes, exchange_worlds
 from hav_env.world.task import Task
@@ -119,8 +121,9 @@ def rollout(
     """Run a policy for whole episodes.
 
     Args:
-        policy: a registered policy, which drives every HAV.
-        scenario, seed, episodes: episode k of a seed is the same whatever else is run.
+        policy: drives every HAV: a policy, or its name.
+        scenario: a scenario, or its name.
+        seed, episodes: episode k of a seed is the same whatever else is run.
         task, vehicle: rules and kinematics.
         threads: how many; the table does not depend on it.
 
@@ -131,6 +134,8 @@ def rollout(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when a scenario has no room for its HAVs.
     """
+    policy, scenario = make_policy(policy), scenario_of(scenario)
+    vehicle = VEHICLES.make(vehicle)
     check_models(policy, scenario, task, vehicle)
     episodes = read_episodes(episodes)
     if episodes.size == 0:

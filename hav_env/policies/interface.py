@@ -6,11 +6,12 @@ from collections.abc import Callable
 import numpy as np
 
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
-from hav_env.models.annotations import show
+from hav_env.models.annotations import is_number, show
 from hav_env.models.checks import check_fields
 from hav_env.models.memory import check_memory
 from hav_env.scenarios import check_scenario
 from hav_env.simulator.batch import Batch
+from hav_env.simulator.trial import HAVS_TRIED, LANES_TRIED, attempt, sample_worlds
 from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world.arrays import NEVER
 from hav_env.world.lanes import LANES, block_of, moving_block
@@ -138,11 +139,37 @@ def check_policy(policy, scenario, task=Task(), vehicle=OnAxle()) -> None:
         TypeError: when its type has no kernel, or a parameter has a value of another kind.
         ValueError: naming the parameter, its value and what is allowed.
     """
-    if find_kernel(type(policy)) is None:
+    kernel = find_kernel(type(policy))
+    if kernel is None:
         raise TypeError(f"{show(policy)} is not a policy: register its type with act")
     check_fields("policy", policy)
     check_parameters(policy, scenario)
     check_rules(policy, scenario, task, vehicle)
+    _try(policy, scenario, kernel)
+
+
+def _try(policy, scenario, kernel: Callable) -> None:
+    """Let the policy decide once as plain Python; see ``hav_env.simulator.trial``."""
+    havs, trailers = min(scenario.num_havs, HAVS_TRIED), scenario.max_trailers
+
+    def call() -> str:
+        worlds = sample_worlds(havs, scenario.num_goals, trailers)
+        memory = allocate_memory(policy, havs, LANES_TRIED)
+        speed, steering = np.full((2, havs, LANES_TRIED), np.nan)
+        for agent in range(havs):
+            if type(policy) in act_lanes.table:
+                act_lanes(policy, memory, worlds, agent, speed, steering)
+                decided = *speed[agent], *steering[agent]
+                if not np.isfinite(decided).all():
+                    return f"writes {decided}, but must write finite speeds and steering angles"
+            else:
+                decided = act(policy, memory, worlds, agent, 0)
+                pair = isinstance(decided, tuple) and len(decided) == 2
+                if not (pair and all(map(is_number, decided)) and np.isfinite(decided).all()):
+                    return f"returns {show(decided)}, but must return speed and steering"
+        return ""
+
+    attempt("policy", policy, kernel, call)
 
 
 def check_models(policy, scenario, task, vehicle) -> None:

@@ -12,6 +12,7 @@ from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Threads, Worlds
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.simulator.transition import begin, remove_arrived, step
+from hav_env.simulator.trial import try_scenario, try_vehicle
 from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world.arrays import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
@@ -73,6 +74,8 @@ class Batch:
         check_scenario(scenario)
         check_task(task)
         check_vehicle(vehicle)
+        try_scenario(scenario)
+        try_vehicle(vehicle)
         self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
         self.num_worlds = int(num_worlds)
         self.threads = threads
