@@ -1,12 +1,14 @@
 """This module scores policies on the same episodes: ``evaluate("avoid_jack", "reserve")``."""
 
-from typing import Any, NamedTuple
+import os
+from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
 
 from hav_env.evaluation.comparison import compare
 from hav_env.evaluation.rollout import rollout
+from hav_env.models.protocols import Policy, Scenario, Vehicle
 from hav_env.policies.names import make_policy
 from hav_env.scenarios.presets import scenario_of
 from hav_env.vehicles import OnAxle
@@ -35,13 +37,13 @@ class Evaluation(NamedTuple):
 
 
 def evaluate(
-    *policies: Any,
-    scenario: Any = "paper-pair",
+    *policies: Policy | str | os.PathLike[str],
+    scenario: Scenario | str | os.PathLike[str] = "paper-pair",
     episodes: int = 100,
     seed: int = 0,
     num_havs: int | None = None,
     task: Task = Task(),
-    vehicle: Any = OnAxle(),
+    vehicle: Vehicle | str = OnAxle(),
     threads: int | None = None,
 ) -> Evaluation:
     """Run policies on the same episodes.

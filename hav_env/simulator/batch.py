@@ -9,6 +9,7 @@ from hav_env.maths.random_numbers import SEED_LIMIT, Seed
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
+from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.models.quantities import Threads, Worlds
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.simulator.transition import begin, remove_arrived, step
@@ -52,10 +53,10 @@ class Batch:
 
     def __init__(
         self,
-        scenario,
+        scenario: Scenario,
         num_worlds: int = 1,
         task: Task = Task(),  # a NamedTuple is immutable
-        vehicle=OnAxle(),
+        vehicle: Vehicle = OnAxle(),
         threads: int | None = None,
     ) -> None:
         """Allocate the worlds; they are empty until ``reset``.
@@ -193,7 +194,7 @@ def read_episodes(episodes: Any) -> np.ndarray:
     return np.ascontiguousarray(array, np.int64)
 
 
-def check_placed(placed: np.ndarray, scenario) -> None:
+def check_placed(placed: np.ndarray, scenario: Scenario) -> None:
     """Raise PlacementError when a world had no room for its HAVs."""
     if not placed.all():
         raise PlacementError(
