@@ -5,14 +5,11 @@ the names are read first and the rest is left to tyro.
 """
 
 import contextlib
-import dataclasses
 import pathlib
 import sys
 import tempfile
-from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Any
 
-import tyro
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -20,6 +17,15 @@ from rich.text import Text
 from baselines.cli.markup import file_names, markdown
 from baselines.cli.options import asks_for_help, read_options, take_option, take_words
 from baselines.cli.progress import Progress
+from baselines.cli.run_options import (
+    Display,
+    Evaluate,
+    Run,
+    Watch,
+    model_fields,
+    policy_fields,
+    vehicle_field,
+)
 from baselines.evaluation.executors import open_engine
 from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
 from baselines.experiments.calibrate import calibrate
@@ -36,11 +42,12 @@ from baselines.replay.watch import (
 )
 from baselines.storage.atomic_files import write_text
 from baselines.storage.locks import sole_user
-from hav_env import Explicit, OnAxle, Task, find_scenario
-from hav_env.cli.options import report_errors
+from hav_env import Explicit, find_scenario
+from hav_env.cli.errors import report_errors
 from hav_env.evaluation.comparison import compare, read_columns
 from hav_env.models.text import visible
 from hav_env.policies.names import POLICIES
+from hav_env.vehicles import VEHICLES
 
 _COMMANDS = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
@@ -50,63 +57,11 @@ _COMMANDS = {
 }
 # what is read before tyro sees the rest
 _NAMES = {
-    "reproduce": "[--policy NAME]",
-    "evaluate": "POLICY ... [--scenario NAME|FILE.json]",
+    "reproduce": "[--policy NAME] [--vehicle NAME]",
+    "evaluate": "POLICY ... [--scenario NAME|FILE.json] [--vehicle NAME]",
     "calibrate": "",
-    "watch": "POLICY|RUN.npz [--scenario NAME|FILE.json]",
+    "watch": "POLICY|RUN.npz [--scenario NAME|FILE.json] [--vehicle NAME]",
 }
-
-
-@dataclasses.dataclass
-class _Run:
-    """Where the results go and how they are made."""
-
-    output: pathlib.Path | None = None
-    """Folder of the results, in which an interrupted run goes on where it stopped. Without one,
-    ``evaluate`` keeps nothing."""
-    seed: int = 0
-    """Of all experiments, from 0 to 2**32 - 1."""
-    threads: int | None = None
-    """How many; by default HAV_THREADS or all cores. Results do not depend on it."""
-    overwrite: bool = False
-    """Discard what an earlier run left in the folder."""
-
-
-@dataclasses.dataclass
-class _Evaluate(_Run):
-    """And where."""
-
-    engine: str = "local"
-    """What runs the episodes: local, on this machine; ray, on a Ray cluster, with --threads (1)
-    for each part of them. Results do not depend on it."""
-    address: str | None = None
-    """Of the Ray cluster, HOST:PORT or auto; by default one is started on this machine."""
-
-
-@dataclasses.dataclass
-class _Display:
-    """How an episode is shown."""
-
-    output: pathlib.Path | None = None
-    """A file: .mp4, .gif or .html. Without one, and without --record, a window opens."""
-    speed: float | None = None
-    """Times real time; by default 10, or what makes a film last a minute."""
-    fps: int = 30
-    """Frames per second, of a film or the window."""
-
-
-@dataclasses.dataclass
-class _Watch(_Display):
-    """Which episode, and what is kept of it."""
-
-    record: pathlib.Path | None = None
-    """A file, .npz, to keep the episode in; ``watch FILE.npz`` shows it again."""
-    seed: int = 0
-    """From 0 to 2**32 - 1."""
-    episode: int = 0
-    """Number of the episode, as in the tables of ``evaluate``."""
-    every: int = 1
-    """Keep the states after each so many steps; between them, motion is interpolated."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -138,16 +93,17 @@ def _dispatch(arguments: list[str]) -> None:
 
 def _reproduce(arguments: list[str]) -> None:
     name, arguments = take_option(arguments, "--policy", "avoid_jack")
+    vehicle, arguments = _take_vehicle(arguments)
     make = POLICIES.find(name)
     options = _parse(
         "reproduce",
         arguments,
         [
-            *_policy_fields([make]),
+            *policy_fields([make]),
             ("experiments", int, PAPER_EXPERIMENTS, "Experiments of each scenario."),
-            ("vehicle", OnAxle),
+            vehicle_field(vehicle),
         ],
-        _Run(pathlib.Path("results/reproduce")),
+        Run(pathlib.Path("results/reproduce")),
     )
     rows = reproduce(
         getattr(options, "policy", None) or POLICIES.make(make),
@@ -167,14 +123,15 @@ def _evaluate(arguments: list[str]) -> None:
     if not names and not asks_for_help(arguments):
         raise ValueError(f"name the policies to evaluate: {POLICIES.known()}")
     scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
+    vehicle, arguments = _take_vehicle(arguments)
     scenario = find_scenario(scenario_name)
     makers = [POLICIES.find(name) for name in names]
     drawn = not isinstance(scenario, Explicit)  # otherwise all episodes of a policy are the same
     fields: list[tuple] = [
         ("episodes", int, 1_000 if drawn else 1, "Episodes 0 .. of the seed."),
-        *_model_fields(makers, scenario),
+        *model_fields(makers, scenario, vehicle),
     ]
-    options = _parse("evaluate", arguments, fields, _Evaluate())
+    options = _parse("evaluate", arguments, fields, Evaluate())
     scenario = getattr(options, "scenario", scenario)
     policies = [getattr(options, "policy", None) or POLICIES.make(make) for make in makers]
     shared = scenario, options.episodes, options.seed, options.task, options.vehicle
@@ -204,7 +161,7 @@ def _calibrate(arguments: list[str]) -> None:
         "calibrate",
         arguments,
         [("experiments", int, 1_000, "Experiments of each scenario and choice.")],
-        _Run(pathlib.Path("results/calibrate")),
+        Run(pathlib.Path("results/calibrate")),
     )
     rows = calibrate(
         options.experiments, options.seed, options.output, options.threads, options.overwrite
@@ -218,16 +175,17 @@ def _watch(arguments: list[str]) -> None:
     if len(words) != 1 and not asks_for_help(arguments):
         raise ValueError(f"name what to watch: {POLICIES.known()} or a RUN.npz")
     if words and words[0].endswith(".npz"):
-        options = _parse("watch", arguments, [], _Display())
+        options = _parse("watch", arguments, [], Display())
         check_pace(options.speed, options.fps)
         trajectory = load_trajectory(words[0])
         check_display(options.output)
         show(trajectory, options.output, options.speed, options.fps)
         return
     scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
+    vehicle, arguments = _take_vehicle(arguments)
     named = find_scenario(scenario_name)
     makers = [POLICIES.find(name) for name in words]
-    options = _parse("watch", arguments, _model_fields(makers, named), _Watch())
+    options = _parse("watch", arguments, model_fields(makers, named, vehicle), Watch())
     usual = POLICIES.make(makers[0])
     policy = getattr(options, "policy", usual)
     scenario = getattr(options, "scenario", named)
@@ -257,18 +215,10 @@ def _watch(arguments: list[str]) -> None:
         show(trajectory, options.output, options.speed, options.fps)
 
 
-def _model_fields(makers: list[Callable], scenario: Any) -> list[tuple]:
-    """Return the options for the rules of an episode, its scenario and a single policy."""
-    fields: list[tuple] = [("task", Task), ("vehicle", OnAxle), *_policy_fields(makers)]
-    if not isinstance(scenario, Explicit):
-        # its options go without its name: --num-havs, --fleet.max-trailers
-        fields.append(("scenario", Annotated[type(scenario), tyro.conf.arg(name="")], scenario))
-    return fields
-
-
-def _policy_fields(makers: list[Callable]) -> list[tuple]:
-    """Return the options for a single policy; one that was trained has none."""
-    return [("policy", make) for make in makers if len(makers) == 1 and isinstance(make, type)]
+def _take_vehicle(arguments: list[str]) -> tuple[Any, list[str]]:
+    """Return the vehicle that a command line names, and the other arguments."""
+    name, arguments = take_option(arguments, "--vehicle", "on_axle")
+    return VEHICLES.make(name), arguments
 
 
 def _parse(command: str, arguments: list[str], fields: list[tuple], common: Any) -> Any:

@@ -1,11 +1,30 @@
-"""Swarms of Heavy Articulated Vehicles: trucks that pull one to ten trailers to goal poses."""
+"""This package simulates swarms of trucks that pull trailers to goal poses.
+
+The vehicles are Heavy Articulated Vehicles (HAVs): a truck and one to ten passive trailers. What
+users need is here; the packages inside are for those who add to them.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import pettingzoo
 
 from hav_env.envs.hav_swarm_v0 import env, parallel_env
-from hav_env.mdp.reward import Reward
+from hav_env.mdp.reward import Reward, reward_terms
+from hav_env.models.names import find_model
 from hav_env.observation import Observation
+from hav_env.policies import (
+    PolicyDriver,
+    act,
+    act_lanes,
+    allocate_memory,
+    broadcast_size,
+    decide,
+    heard,
+    make_policy,
+    memory_size,
+)
 from hav_env.scenarios import (
     Column,
     Crossing,
@@ -16,11 +35,18 @@ from hav_env.scenarios import (
     Yard,
     explicit,
     load_explicit,
+    populate,
 )
 from hav_env.scenarios.presets import find_scenario
 from hav_env.simulator.batch import Batch
-from hav_env.vehicles import OnAxle
+from hav_env.vehicles import OnAxle, move
+from hav_env.world import sensing
 from hav_env.world.task import Task
+
+if TYPE_CHECKING:
+    from hav_env.envs.stable_baselines3 import HAVVecEnv
+    from hav_env.evaluation.evaluate import evaluate
+    from hav_env.evaluation.rollout import rollout
 
 __version__ = "0.1.0"
 
@@ -29,20 +55,55 @@ __all__ = [
     "Column",
     "Crossing",
     "Explicit",
+    "HAVVecEnv",
     "Observation",
     "OnAxle",
     "PlacementError",
+    "PolicyDriver",
     "RandomFleet",
     "RandomPoses",
     "Reward",
     "Task",
     "Yard",
+    "act",
+    "act_lanes",
+    "allocate_memory",
+    "broadcast_size",
+    "decide",
     "env",
+    "evaluate",
     "explicit",
+    "find_model",
     "find_scenario",
+    "heard",
     "load_explicit",
+    "make_policy",
+    "memory_size",
+    "move",
     "parallel_env",
+    "populate",
+    "reward_terms",
+    "rollout",
+    "sensing",
 ]
+
+# loaded when they are wanted: tables take the time of pyarrow, HAVVecEnv needs an extra
+_LAZY = {
+    "HAVVecEnv": "hav_env.envs.stable_baselines3",
+    "evaluate": "hav_env.evaluation.evaluate",
+    "rollout": "hav_env.evaluation.rollout",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LAZY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(_LAZY[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]
+
 
 for _name in ("HAVSwarm", "HAVSingle"):
     gymnasium.register(

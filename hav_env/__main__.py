@@ -1,38 +1,41 @@
-"""The command line: ``python -m hav_env play``."""
+"""This module is the command line ``python -m hav_env play | compile``."""
 
 import sys
 
-_COMMANDS = {"play": "drive one HAV by keyboard among others"}
+from hav_env.cli.errors import report_errors
+
+_COMMANDS = {
+    "play": "drive one HAV by keyboard among others",
+    "compile": "compile all policies, scenarios and environments ahead of time",
+}
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run a command; return the exit code. What is wrong is said in one line."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    try:
-        return _dispatch(arguments)
-    except (ValueError, TypeError, OSError, ImportError) as error:
-        message = " ".join(str(error).split())
-        print(f"error: {message}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        return 130
+    return report_errors(_dispatch, arguments)
 
 
-def _dispatch(arguments: list[str]) -> int:
+def _dispatch(arguments: list[str]) -> None:
     if not arguments or arguments[0] in ("-h", "--help"):
         print("usage: python -m hav_env COMMAND [--help]\n")
         for name, meaning in _COMMANDS.items():
-            print(f"  {name:6} {meaning}")
-        return 0
+            print(f"  {name:8} {meaning}")
+        return
     command, rest = arguments[0], arguments[1:]
-    if command != "play":
+    if command not in _COMMANDS:
         raise ValueError(f"unknown command {command!r}; known: {', '.join(_COMMANDS)}")
     # only what is run is imported: tyro and the simulator take their time
     from hav_env.cli.options import parse_options  # noqa: PLC0415
-    from hav_env.cli.play import Play, play  # noqa: PLC0415
 
-    play(parse_options(Play, "python -m hav_env play", _COMMANDS["play"], rest))
-    return 0
+    usage = f"python -m hav_env {command}"
+    if command == "play":
+        from hav_env.cli.play import Play, play  # noqa: PLC0415
+
+        play(parse_options(Play, usage, _COMMANDS[command], rest))
+    else:
+        from hav_env.cli.compile import Compile, compile_all  # noqa: PLC0415
+
+        compile_all(parse_options(Compile, usage, _COMMANDS[command], rest))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from typing import Any
 import pyarrow as pa
 
 from baselines.evaluation.ray_cluster import connect
-from hav_env.compiled import source_digest, source_of
+from hav_env.compiled import classes_in, digest_code
 
 Done = Generator[tuple[range, pa.Table], None, None]
 Part = Callable[[range, int | None], pa.Table]
@@ -65,7 +65,7 @@ def run_on_cluster(ray: Any, part: Part, spans: Iterable[range], threads: int | 
     cores = [int(node["Resources"].get("CPU", 0)) for node in ray.nodes() if node["Alive"]]
     # a task that asks for more cores than any machine has would wait for ever
     task = ray.remote(num_cpus=min(threads, max(cores, default=0) or threads))(_run_there)
-    shared = ray.put((part, _digest()))  # is sent to a machine once
+    shared = ray.put((part, _digest(part)))  # is sent to a machine once
     left = iter(spans)
     waiting: dict[Any, range] = {}
     try:
@@ -95,7 +95,7 @@ def _table_of(ray: Any, done: Any) -> pa.Table:
 
 def _run_there(shared: tuple[Part, str], span: range, threads: int) -> pa.Table:
     part, digest = shared
-    if _digest() != digest:
+    if _digest(part) != digest:
         raise ValueError(
             "a machine of the cluster has another version of this project or of Numba: install"
             " the one that is here"
@@ -103,6 +103,8 @@ def _run_there(shared: tuple[Part, str], span: range, threads: int) -> pa.Table:
     return part(span, threads)
 
 
-@functools.cache
-def _digest() -> str:
-    return source_digest(map(source_of, (run_here, source_digest)))
+def _digest(part: Part) -> str:
+    """Return the digest of the code that runs a part, and of its models."""
+    arguments = part.args if isinstance(part, functools.partial) else ()
+    models = set().union(*(classes_in(*value) for value in arguments if isinstance(value, tuple)))
+    return digest_code([part], models).digest

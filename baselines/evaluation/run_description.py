@@ -10,8 +10,7 @@ import numpy as np
 
 import hav_env
 from baselines.storage.atomic_files import read_object, write_text
-from hav_env.compiled import source_digest, source_of
-from hav_env.policies.interface import find_kernel
+from hav_env.compiled import classes_in, digest_code
 
 _DIGEST = "table_sha256"
 _REMEDY = "choose another --output, or --overwrite"
@@ -22,13 +21,12 @@ def describe(experiments: Any, makers: tuple[Callable, ...]) -> dict[str, Any]:
 
     Args:
         experiments: a ``baselines.evaluation.runs.Experiments``.
-        makers: functions of the files that make the table, beside the policy's.
+        makers: functions that make the table.
     """
-    code = find_kernel(type(experiments.policy)), *makers, source_digest
     told = {
         **{field: _plain(value) for field, value in experiments._asdict().items()},
         "hav_env": hav_env.__version__,
-        "sources": source_digest(map(source_of, code)),
+        "code": digest_code(makers, classes_in(*experiments)).digest,
     }
     return json.loads(json.dumps(told))
 
@@ -60,7 +58,7 @@ def claim(path: pathlib.Path, description: dict[str, Any]) -> str | None:
     begun = _read(path)
     for key, value in description.items():
         if begun.get(key) != value:
-            what = "was made by other code" if key == "sources" else f"has another {key}"
+            what = "was made by other code" if key == "code" else f"has another {key}"
             raise ValueError(f"{path.parent} holds a run that {what}: {_REMEDY}")
     return begun.get(_DIGEST)
 

@@ -98,7 +98,7 @@ def run_experiments(
         _check_kinds(target)
         if overwrite:
             _discard(target)
-        told = describe(experiments, (run_experiments, write_part))
+        told = describe(experiments, (run_part, write_part, join_parts))
         digest = claim(description, told)
         if digest is not None and digest == digest_of(target):
             advance(experiments.num_episodes, 0)

@@ -2,13 +2,12 @@
 
 import contextlib
 import io
-import sys
 from collections.abc import Callable
 from typing import TypeVar
 
 import tyro
 
-from hav_env.models.text import one_line
+from hav_env.cli.errors import report_errors
 
 Options = TypeVar("Options")
 
@@ -73,31 +72,6 @@ def run_command(
         print(run(parse_options(type(default), program, description, words, default)))
 
     return report_errors(whole, words, interrupted)
-
-
-def report_errors(
-    run: Callable[[list[str]], None], words: list[str] | None, interrupted: str
-) -> int:
-    """Run a command; say what is wrong in one line.
-
-    Args:
-        run: takes the words of the command line.
-        words: of the command line, by default the process's.
-        interrupted: what is said then.
-
-    Returns:
-        The exit code: 0, 2 when something is wrong, 130 when interrupted.
-    """
-    try:
-        run(sys.argv[1:] if words is None else words)
-    except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
-        told = str(error) or type(error).__name__
-        print(f"error: {one_line(told)}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print(f"interrupted: {interrupted}", file=sys.stderr)
-        return 130
-    return 0
 
 
 def _one_line(text: str) -> str:

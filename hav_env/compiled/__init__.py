@@ -5,7 +5,7 @@ over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of
 ``entry`` is what Python calls: it alone is cached on disk, its worlds are spread over threads.
 """
 
-from hav_env.compiled.digests import source_digest, source_of
+from hav_env.compiled.digests import Code, classes_in, digest_code
 from hav_env.compiled.entries import canonical, entry
 from hav_env.compiled.instructions import bits_of, contiguous, fixed, float_of, fma, lanes_from
 from hav_env.compiled.kernels import generic, kernel, rare_kernel
@@ -13,10 +13,13 @@ from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, sh
 
 __all__ = [
     "VECTOR",
+    "Code",
     "bits_of",
     "canonical",
+    "classes_in",
     "contiguous",
     "default_threads",
+    "digest_code",
     "entry",
     "fixed",
     "float_of",
@@ -27,6 +30,4 @@ __all__ = [
     "rare_kernel",
     "run_on_threads",
     "share_out",
-    "source_digest",
-    "source_of",
 ]

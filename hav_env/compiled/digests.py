@@ -1,32 +1,252 @@
-"""Which files compiled code comes from, and a digest of them."""
+"""This module digests code: all functions that compiled code, or a table of results, depends on.
 
+The digest covers bytecode, constants and the values of global names, function by function, wherever
+the code that is digested leads. Comments, docstrings and line numbers leave it as it is, and so
+does every function that is not reached. Of a generic kernel only the implementations for the
+models at hand count.
+"""
+
+import functools
 import hashlib
+import inspect
 import pathlib
+import types
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 
-sources: set[pathlib.Path] = set()  # packages and files whose code ends up in compiled loops
+from hav_env.compiled.stable_text import name_of, stable_text
+from hav_env.models.annotations import is_model, values_of
+
+KERNELS: dict[Callable, str] = {}
+"""How each kernel is compiled; code that calls one is followed into it, wherever it is from."""
+
+_OWN = "hav_env"
+_ASIDE = ("hav_env.compiled.", "hav_env.models.")  # threads and checks change no result
+_DEEPEST = 4  # modules in modules, as in a.b.c.function
+# how kernels are compiled: a change here changes all compiled code
+_MACHINERY = ("compiler.py", "instructions.py", "kernels.py")
 
 
-def note_sources(function: Callable) -> None:
-    """Remember where a function comes from."""
-    sources.add(source_of(function))
+class Code(NamedTuple):
+    """What was found on the way through the code."""
+
+    digest: str
+    """SHA-256 of all of it, in hexadecimal."""
+    models: tuple[str, ...]
+    """Names of the classes of models that choose implementations of generic kernels."""
+    size: int
+    """Number of bytes of bytecode, by which the time to compile it is estimated."""
 
 
-def source_of(function: Any) -> pathlib.Path:
-    """Return the outermost package that a function or kernel belongs to, or its file if in none."""
-    path = pathlib.Path(function.__code__.co_filename)
-    while (path.parent / "__init__.py").exists():
-        path = path.parent
-    return path
+def digest_code(functions: Iterable[Callable], models: Iterable[type] = ()) -> Code:
+    """Digest functions, and the functions of the project that they lead to.
+
+    Args:
+        functions: kernels, entries or any functions of Python.
+        models: classes of the models that the functions are given.
+    """
+    walk = _Walk(set(models))
+    for function in functions:
+        walk.enter(function)
+    walk.finish()
+    facts = sorted(walk.facts)
+    digest = hashlib.sha256("\n".join([numba.__version__, machinery_digest(), *facts]).encode())
+    return Code(digest.hexdigest(), tuple(sorted(walk.chosen)), walk.size)
 
 
-def source_digest(sources: Iterable[pathlib.Path]) -> str:
-    """Return a digest of the code in packages and files, and of Numba's version."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(set(sources)):
-        for path in sorted(source.rglob("*.py")) if source.is_dir() else [source]:
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+def classes_in(*values: Any) -> set[type]:
+    """Return the classes of models in values, those in fields of models among them."""
+    found: set[type] = set()
+    for value in values:
+        if isinstance(value, type):
+            found.add(value)
+        elif is_model(value):
+            found |= {type(value)} | classes_in(*values_of(value).values())
+    return found
+
+
+@functools.cache
+def machinery_digest() -> str:
+    """Return a digest of the files that say how kernels are compiled."""
+    here = pathlib.Path(__file__).parent
+    content = b"".join((here / name).read_bytes() for name in _MACHINERY)
+    return hashlib.sha256(content).hexdigest()
+
+
+class _Walk:
+    """A way through functions; every one of them is visited once."""
+
+    def __init__(self, models: set[type]) -> None:
+        self.models, self.chosen = models, set[str]()
+        self.facts: set[str] = set()
+        self.size = 0
+        self._packages = {_OWN, *map(_package_of, models)}
+        self._seen: set[int] = set()
+        self._kept: list[Any] = []  # so that no other object gets an identity that was seen
+        self._open: list[types.FunctionType] = []
+        self._generics: list[Any] = []
+
+    def enter(self, function: Any) -> None:
+        """Begin at a function, whose package is followed."""
+        self._packages.add(_package_of(getattr(function, "func", function)))
+        self._note(function)
+
+    def finish(self) -> None:
+        """Visit all that can be reached."""
+        while True:
+            while self._open:
+                self._visit(self._open.pop())
+            if not self._choose():
+                return
+
+    def _choose(self) -> bool:
+        """Follow the implementations for the models known by now; tell whether there are any."""
+        before = len(self._seen)
+        for generic in list(self._generics):
+            table = getattr(generic, "table", None)
+            if table is None:  # functools.singledispatch
+                for model in sorted(self.models, key=name_of):
+                    self._note(generic.dispatch(model))
+                continue
+            found = [model for model in sorted(self.models, key=name_of) if model in table]
+            for model in found:
+                self.chosen.add(model.__name__)
+                self.facts.add(f"{generic.__qualname__} of {name_of(model)}")
+                self._note(table[model])
+            for other in generic.others:
+                self._note(other)
+        return bool(self._open) or len(self._seen) > before
+
+    def _note(self, value: Any) -> None:
+        """Follow a value that code refers to, if it is code."""
+        if id(value) in self._seen:
+            return
+        if isinstance(value, types.FunctionType):
+            self._see(value)
+            self._note_function(value)
+        elif isinstance(value, type):
+            self._see(value)
+            self._note_class(value)
+        elif isinstance(value, functools.partial):
+            for part in (value.func, *value.args, *value.keywords.values()):
+                self._note(part)
+        elif isinstance(value, classmethod | staticmethod | property):
+            self._note(value.fget if isinstance(value, property) else value.__func__)
+        elif hasattr(value, "py_func"):  # somebody's own numba.njit
+            self._packages.add(_package_of(value.py_func))
+            self._note(value.py_func)
+        elif is_model(value):
+            self._note(type(value))
+
+    def _note_function(self, function: types.FunctionType) -> None:
+        wrapped = getattr(function, "__wrapped__", None)
+        if hasattr(function, "table") or hasattr(function, "registry"):
+            self._generics.append(function)
+        elif wrapped is not None:  # an entry, or what a decorator made: what it wraps counts
+            self._packages.add(_package_of(wrapped))
+            self._note(wrapped)
+        elif function in KERNELS or self._is_followed(function):
+            self._open.append(function)
+
+    def _is_followed(self, function: types.FunctionType) -> bool:
+        """Tell whether a function of Python matters to what a table holds."""
+        aside = function.__module__.startswith(_ASIDE)
+        return not aside and _package_of(function) in self._packages
+
+    def _see(self, value: Any) -> None:
+        self._seen.add(id(value))
+        self._kept.append(value)
+
+    def _note_class(self, kind: type) -> None:
+        if hasattr(kind, "_fields") and kind not in self.models:
+            self.models.add(kind)
+        if _package_of(kind) in self._packages:
+            for part in vars(kind).values():
+                if isinstance(part, types.FunctionType | classmethod | staticmethod | property):
+                    self._note(part)
+            for parent in kind.__bases__:
+                self._note(parent)
+
+    def _visit(self, function: types.FunctionType) -> None:
+        """Add the facts of a function, and follow what it refers to."""
+        facts, size, values = _read(function)
+        self.facts.add(facts)
+        self.size += size
+        for value in values:
+            self._note(value)
+
+
+@functools.cache
+def _read(function: types.FunctionType) -> tuple[str, int, tuple[Any, ...]]:
+    """Return the facts of a function, the size of its bytecode and the values it refers to."""
+    told = [function.__module__, function.__qualname__, KERNELS.get(function, "")]
+    size, values = 0, []
+    for code in _codes_in(function.__code__):
+        size += len(code.co_code)
+        told += [
+            code.co_code.hex(),
+            repr((code.co_argcount, code.co_kwonlyargcount, code.co_flags)),
+            repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)),
+            *map(stable_text, _constants_of(code)),
+        ]
+        for name, value in _names_in(function.__globals__, code, ""):
+            told.append(f"{name} = {stable_text(value)}")
+            values.append(value)
+    cells = [cell.cell_contents for cell in function.__closure__ or () if _is_filled(cell)]
+    defaults = *(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()
+    for value in (*cells, *defaults):
+        told.append(stable_text(value))
+        values.append(value)
+    return "\t".join(told), size, tuple(values)
+
+
+def _names_in(
+    known: dict[str, Any], code: types.CodeType, prefix: str
+) -> Iterable[tuple[str, Any]]:
+    """Give the global names of a code, and attributes of modules, with their values."""
+    for name in code.co_names:
+        if name in known:
+            value = known[name]
+            yield prefix + name, value
+            if isinstance(value, types.ModuleType) and prefix.count(".") < _DEEPEST:
+                yield from _names_in(vars(value), code, f"{prefix}{name}.")
+
+
+def _codes_in(code: types.CodeType) -> Iterable[types.CodeType]:
+    """Give a code and those of the functions, lambdas and comprehensions inside."""
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _codes_in(constant)
+
+
+def _constants_of(code: types.CodeType) -> Iterable[Any]:
+    """Give the constants of a code but its docstring and what is inside."""
+    constants = code.co_consts
+    if code.co_flags & inspect.CO_NEWLOCALS and constants and isinstance(constants[0], str):
+        constants = constants[1:] if constants[0] not in _texts_used(code) else constants
+    return (value for value in constants if not isinstance(value, types.CodeType))
+
+
+@functools.cache
+def _texts_used(code: types.CodeType) -> frozenset[str]:
+    """Return the texts that the instructions of a code load: a docstring is never loaded."""
+    import dis  # noqa: PLC0415  # only for functions that begin with a text
+
+    loaded = (step.argval for step in dis.get_instructions(code) if step.opname.startswith("LOAD"))
+    return frozenset(value for value in loaded if isinstance(value, str))
+
+
+def _is_filled(cell: Any) -> bool:
+    try:
+        return cell.cell_contents is not cell
+    except ValueError:  # a name that is not bound yet
+        return False
+
+
+def _package_of(value: Any) -> str:
+    """Return the outermost package of a function, class or module."""
+    name = value.__name__ if isinstance(value, types.ModuleType) else value.__module__
+    return str(name).partition(".")[0]

@@ -15,7 +15,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numba
@@ -23,12 +23,15 @@ from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
+from hav_env.compiled.digests import Code, digest_code
+
 _log = logging.getLogger(__name__)
 _UNFINISHED = ".unfinished"
+_VERSIONS = 4  # of the code for one signature: those of branches that a user changes between
 _ABANDONED = 3_600.0  # [s] after which nobody writes to an unfinished file any more
 
 
-class KeptCode(NullCache):
+class DiskCache(NullCache):
     """The compiled forms of one function in a folder, two files for each signature.
 
     The index ``.nbi`` is the SHA-256 of the data ``.nbc`` and names it, so that processes that
@@ -36,8 +39,9 @@ class KeptCode(NullCache):
     """
 
     def __init__(self, function: Callable, folder: pathlib.Path) -> None:
-        """Take the function and the folder, which belongs to these sources alone."""
+        """Take the function and the folder."""
         self._function, self._folder = function, folder
+        self._codes: dict[tuple, Code] = {}
 
     @property
     def cache_path(self) -> str:
@@ -81,22 +85,54 @@ class KeptCode(NullCache):
             _remove_abandoned(self._folder)
             _write(content, _data(index, digest))
             _write(digest.encode("ascii"), index)
+            self._forget_old(index)
         except OSError as error:
             told = "hav_env cannot keep %s, and will compile it again: %s"
             _log.warning(told, self._function.__name__, error)
 
+    def code(self, sig: tuple) -> Code:
+        """Return the digest of all code that is compiled for a signature."""
+        if sig not in self._codes:
+            self._codes[sig] = digest_code([self._function], _classes_in(sig))
+        return self._codes[sig]
+
+    def holds(self, sig: tuple, target_context: Any) -> bool:
+        """Tell whether a compiled form is kept for a signature; it may be broken."""
+        return os.path.lexists(self._index(sig, target_context.codegen()))
+
     def _index(self, sig: tuple, codegen: Any) -> pathlib.Path:
-        """Return the path of the index for a signature on this processor."""
+        """Return the path of the index for a signature on this processor.
+
+        Its name ends with the digest of the code, behind what is the same for all versions of it.
+        """
         function = self._function
-        cells = [cell.cell_contents for cell in function.__closure__ or ()]
         told = [
             *(numba.__version__, sys.implementation.cache_tag, codegen.magic_tuple()),
-            *(function.__module__, function.__qualname__, function.__code__.co_firstlineno),
-            *(function.__code__.co_code.hex(), dumps(cells).hex() if cells else ""),
+            *(function.__module__, function.__qualname__),
             *map(describe, sig),
         ]
         digest = hashlib.sha256(repr(told).encode()).hexdigest()
-        return self._folder / f"{function.__name__}-{digest[:16]}.nbi"
+        name = f"{function.__name__}-{digest[:16]}-{self.code(sig).digest[:16]}.nbi"
+        return self._folder / name
+
+    def _forget_old(self, index: pathlib.Path) -> None:
+        """Remove all but the newest versions of the code for the same signature."""
+        kin = list(self._folder.glob(f"{index.stem.rpartition('-')[0]}-*.nbi"))
+        with contextlib.suppress(OSError):  # another process may be quicker
+            for old in sorted(kin, key=lambda path: path.lstat().st_mtime)[:-_VERSIONS]:
+                for path in (old, *self._folder.glob(f"{old.stem}.*.nbc")):
+                    _remove(path)
+
+
+def _classes_in(kinds: Iterable[Any]) -> set[type]:
+    """Return the classes of the named tuples among types of Numba, inner ones among them."""
+    found: set[type] = set()
+    for kind in kinds:
+        if isinstance(kind, numba.types.BaseTuple):
+            found |= _classes_in(kind)
+            if hasattr(kind, "instance_class"):
+                found.add(kind.instance_class)
+    return found
 
 
 def describe(kind: Any) -> str:

@@ -9,48 +9,52 @@ from collections.abc import Callable
 from typing import Any
 
 import numba
+from numba.core.errors import NumbaError
 
 from hav_env.compiled.cache_folder import find_home
-from hav_env.compiled.digests import note_sources, source_digest, sources
-from hav_env.compiled.disk_cache import KeptCode
+from hav_env.compiled.digests import classes_in, digest_code
+from hav_env.compiled.disk_cache import DiskCache
+from hav_env.compiled.errors import explain
 from hav_env.compiled.kernels import ENTERED
 from hav_env.compiled.threads import default_threads, share_out
 from hav_env.models.annotations import kinds_of, split_range
 
 _log = logging.getLogger(__name__)
-_SILENT_SECONDS = 1.0  # loading from the cache takes less, compiling takes more
+_SILENT_SECONDS = 1.0  # what is compiled in less is not announced
+_PER_SECOND = 2_000.0  # bytes of bytecode that are compiled in a second
 
 
 def entry(function: Callable) -> Any:
     """Make ``loop(first, last, *args)`` over worlds callable as ``loop(count, *args)``.
 
     The loop is compiled at its first call, once models are registered, and kept on disk under the
-    digest of all sources, for Numba itself does not see edits in other files. The worlds are shared
-    out evenly among ``threads`` (default: ``default_threads()``). The threads are Python's and the
-    loop is serial and free of the GIL: Numba's ``prange`` loses writes to fields of tuples
-    (numba#7135) and does not survive a fork.
+    digest of the code that it reaches, for Numba itself does not see edits in other files. The
+    worlds are shared out evenly among ``threads`` (default: ``default_threads()``). The threads are
+    Python's and the loop is serial and free of the GIL: Numba's ``prange`` loses writes to fields
+    of tuples (numba#7135) and does not survive a fork.
 
     ``loop.prepare(*args)`` returns the compiled loop over ``(first, last, *args)`` that no longer
     looks at the types of its arguments, for that takes longer than to step one world. They must be
     the same from then on, those of arrays with number of axes, order and type of the elements.
     """
-    note_sources(function)
-    compiled: dict[frozenset, Callable] = {}
+    compiled: list[Callable] = []
+
+    def loop_of() -> Any:
+        if not compiled:
+            with _compiling:
+                if not compiled:
+                    compiled.append(_cached(function))
+        return compiled[0]
 
     @functools.wraps(function)
     def call(count: int, *args: Any, threads: int | None = None) -> None:
-        known = frozenset(sources)
-        if known not in compiled:
-            with _compiling:
-                if known not in compiled:
-                    compiled[known] = _cached(function, known)
-        loop = compiled[known]
-        _ensure_compiled(loop, function.__name__, args)
+        loop = loop_of()
+        _ensure_compiled(loop, args)
         share_out(loop, count, args, threads or default_threads())
 
     def prepare(*args: Any) -> Callable[..., None]:
         call(0, *args, threads=1)
-        loop = compiled[frozenset(sources)]
+        loop = loop_of()
         return loop.compile(_signature(args)) if hasattr(loop, "compile") else loop
 
     call.prepare = prepare  # type: ignore[attr-defined]
@@ -90,12 +94,12 @@ def _converter(kind: Any) -> Callable[[Any], Any]:
     return lambda value: canonical(value) if hasattr(value, "_asdict") else value
 
 
-def _cached(function: Callable, known: frozenset) -> Callable:
+def _cached(function: Callable) -> Callable:
     """Return the function compiled, or about to be, and kept on disk if there is a place for it."""
     loop = numba.njit(**ENTERED)(function)
     home = find_home(os.environ.get("NUMBA_CACHE_DIR", ""))
     if home is not None and hasattr(loop, "compile"):
-        loop._cache = KeptCode(function, home / source_digest(known))
+        loop._cache = DiskCache(function, home)
     return loop
 
 
@@ -103,18 +107,33 @@ _ready: set[tuple] = set()
 _compiling = threading.Lock()
 
 
-def _ensure_compiled(loop: Any, name: str, args: tuple) -> None:
-    """Compile (or load) the loop for these arguments first, and say so when it takes a while."""
+def _ensure_compiled(loop: Any, args: tuple) -> None:
+    """Compile (or load) the loop for these arguments first, and say so when it takes a while.
+
+    Raises:
+        TypeError: when Numba cannot compile a model's code, naming file and line.
+    """
     kinds = (id(loop), *map(type, args))
     if kinds in _ready or not hasattr(loop, "compile"):
         return
-    message = f"hav_env compiles {name} (once for this version on this machine) ..."
+    signature = _signature(args)
     with _compiling:
-        notice = threading.Timer(_SILENT_SECONDS, _log.warning, (message,))
-        notice.daemon = True
-        notice.start()
+        cache = loop._cache
+        if not (isinstance(cache, DiskCache) and cache.holds(signature, loop.targetctx)):
+            _announce(loop.py_func, args)
         try:
-            loop.compile(_signature(args))
-        finally:
-            notice.cancel()
+            loop.compile(signature)
+        except NumbaError as error:
+            raise TypeError(explain(loop.py_func.__name__, error)) from None
         _ready.add(kinds)
+
+
+def _announce(function: Callable, args: tuple) -> None:
+    """Say what is compiled, for which models, and about how long that takes."""
+    code = digest_code([function], classes_in(*args))
+    seconds = code.size / _PER_SECOND
+    if seconds < _SILENT_SECONDS:
+        return
+    models = f" for {', '.join(code.models)}" if code.models else ""
+    told = "hav_env compiles %s%s: about %.0f s, once for this code on this machine ..."
+    _log.warning(told, function.__name__, models, seconds)

@@ -7,7 +7,7 @@ from typing import Any
 from numba.extending import overload
 
 from hav_env.compiled.compiler import Part, RarePart, Whole, compiler_into
-from hav_env.compiled.digests import note_sources
+from hav_env.compiled.digests import KERNELS
 
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
 # most of the time.
@@ -30,14 +30,14 @@ def kernel(function: Callable) -> Callable:
     all that they call is inlined and free of branches. The inlining is LLVM's: Numba's own
     (``inline="always"``) compiles ten times as long and miscompiles returns out of loops.
     """
-    note_sources(function)
+    KERNELS[function] = "inlined"
     overload(function, strict=False, jit_options=_INLINED)(lambda *args: function)
     return function
 
 
 def rare_kernel(function: Callable) -> Callable:
     """Let a function be compiled, but called: what seldom happens need not be repeated."""
-    note_sources(function)
+    KERNELS[function] = "called"
     overload(function, strict=False, jit_options=_RARE)(lambda *args: function)
     return function
 
@@ -63,20 +63,20 @@ def generic(stub: Callable) -> Any:
 
     def register(model_class: type) -> Callable:
         def decorate(function: Callable) -> Callable:
-            note_sources(function)
+            KERNELS.setdefault(function, "inlined")
             table[model_class] = function
             return function
 
         return decorate
 
     def otherwise(function: Callable) -> Callable:
-        note_sources(function)
+        KERNELS.setdefault(function, "inlined")
         others.append(function)
         return function
 
     functools.update_wrapper(dispatch, stub)
     del dispatch.__wrapped__  # type: ignore[attr-defined]  # Numba would read the stub's signature
     dispatch.register, dispatch.table = register, table  # type: ignore[attr-defined]
-    dispatch.otherwise = otherwise  # type: ignore[attr-defined]
+    dispatch.otherwise, dispatch.others = otherwise, others  # type: ignore[attr-defined]
     overload(dispatch, strict=False, jit_options=_INLINED)(choose)
     return dispatch

@@ -1,8 +1,10 @@
 """Whole episodes in a closed loop, compiled, and the table of what happened in them."""
 
 import functools
+import os
 
 import numpy as np
+import numpy.typing as npt
 import pyarrow as pa
 
 from hav_env.compiled import (
@@ -15,10 +17,13 @@ from hav_env.compiled import (
     run_on_threads,
 )
 from hav_env.evaluation.episode_table import tabulate
+from hav_env.models.protocols import Policy, Scenario, Vehicle
 from hav_env.policies.interface import act_all, allocate_memory, check_models
+from hav_env.policies.names import make_policy
+from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.batch import Batch, read_episodes
 from hav_env.simulator.transition import ended, remove_arrived, step
-from hav_env.vehicles import OnAxle
+from hav_env.vehicles import VEHICLES, OnAxle
 from hav_env.world.arrays import FEW, PHASE, allocate_worlds
 from hav_env.world.lanes import LANES, block_of, exchange_lanes, exchange_worlds
 from hav_env.world.task import Task
@@ -108,19 +113,20 @@ def _rank(stage, lane):
 
 
 def rollout(
-    policy,
-    scenario,
+    policy: Policy | str | os.PathLike[str],
+    scenario: Scenario | str | os.PathLike[str],
     seed: int,
-    episodes: np.ndarray,
+    episodes: npt.ArrayLike,
     task: Task = Task(),
-    vehicle=OnAxle(),
+    vehicle: Vehicle | str = OnAxle(),
     threads: int | None = None,
 ) -> pa.Table:
     """Run a policy for whole episodes.
 
     Args:
-        policy: a registered policy, which drives every HAV.
-        scenario, seed, episodes: episode k of a seed is the same whatever else is run.
+        policy: drives every HAV: a policy, or its name.
+        scenario: a scenario, or its name.
+        seed, episodes: episode k of a seed is the same whatever else is run.
         task, vehicle: rules and kinematics.
         threads: how many; the table does not depend on it.
 
@@ -131,12 +137,14 @@ def rollout(
         ValueError, TypeError: for parameters that are not allowed, naming them.
         PlacementError: when a scenario has no room for its HAVs.
     """
-    check_models(policy, scenario, task, vehicle)
-    episodes = read_episodes(episodes)
-    if episodes.size == 0:
+    policy, scenario = make_policy(policy), scenario_of(scenario)
+    moved = VEHICLES.make(vehicle)
+    check_models(policy, scenario, task, moved)
+    numbers = read_episodes(episodes)
+    if numbers.size == 0:
         raise ValueError("episodes is empty, but must hold at least one number")
-    batch = Batch(scenario, episodes.size, task, vehicle, threads)
-    batch.reset(seed, episodes)
+    batch = Batch(scenario, numbers.size, task, moved, threads)
+    batch.reset(seed, numbers)
     state = batch.worlds.state
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
     # Loops over units reach to the longest HAV of a block: worlds alike are run side by side, long

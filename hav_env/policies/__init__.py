@@ -1,0 +1,39 @@
+"""This package says what a policy is: its kernel, its memory, its names and its driver.
+
+A policy is a NamedTuple of parameters and a kernel that decides from what one HAV senses.
+"""
+
+from hav_env.policies.driver import PolicyDriver
+from hav_env.policies.interface import (
+    act,
+    act_lanes,
+    allocate_memory,
+    broadcast_size,
+    check_parameters,
+    check_policy,
+    check_rules,
+    decide,
+    evaded_by,
+    heard,
+    joint_weights,
+    memory_size,
+)
+from hav_env.policies.names import POLICIES, make_policy
+
+__all__ = [
+    "POLICIES",
+    "PolicyDriver",
+    "act",
+    "act_lanes",
+    "allocate_memory",
+    "broadcast_size",
+    "check_parameters",
+    "check_policy",
+    "check_rules",
+    "decide",
+    "evaded_by",
+    "heard",
+    "joint_weights",
+    "make_policy",
+    "memory_size",
+]

@@ -1,9 +1,10 @@
 """This module lets a policy drive HAVs of a batch that somebody else steps, as environments do."""
 
-from typing import Any
+import os
 
 import numpy as np
 
+from hav_env.models.protocols import Policy
 from hav_env.policies.interface import allocate_memory, check_policy, decide
 from hav_env.policies.names import make_policy
 from hav_env.simulator.batch import Batch
@@ -12,7 +13,9 @@ from hav_env.simulator.batch import Batch
 class PolicyDriver:
     """Decides for HAVs of a batch; keeps the policy's memory."""
 
-    def __init__(self, policy: Any, batch: Batch, first: int = 0) -> None:
+    def __init__(
+        self, policy: Policy | str | os.PathLike[str], batch: Batch, first: int = 0
+    ) -> None:
         """Take a policy, or the name of one: then its parameters are the defaults.
 
         Args:

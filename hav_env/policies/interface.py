@@ -2,24 +2,29 @@
 
 import functools
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
-from hav_env.models.annotations import show
+from hav_env.models.annotations import is_number, show
 from hav_env.models.checks import check_fields
 from hav_env.models.memory import check_memory
+from hav_env.models.protocols import Policy, Scenario, Vehicle
 from hav_env.scenarios import check_scenario
 from hav_env.simulator.batch import Batch
+from hav_env.simulator.trial import HAVS_TRIED, LANES_TRIED, attempt, sample_worlds
 from hav_env.vehicles import OnAxle, check_vehicle
-from hav_env.world.arrays import NEVER
+from hav_env.world.arrays import NEVER, World
 from hav_env.world.lanes import LANES, block_of, moving_block
 from hav_env.world.sensing import neighbor_id
 from hav_env.world.task import Task, check_task
 
 
 @generic
-def act(policy, memory, world, agent, lane):
+def act(
+    policy: Any, memory: np.ndarray, world: World, agent: int, lane: int
+) -> tuple[float, float]:
     """Decide what one HAV does in this step: return speed [m/s] and steering [rad].
 
     This is what a policy registers. One whose loops over units or neighbours should run several
@@ -31,10 +36,18 @@ def act(policy, memory, world, agent, lane):
             the episode and is zero at its beginning.
         world, agent, lane: to be read through ``hav_env.world.sensing`` only.
     """
+    raise NotImplementedError
 
 
 @generic
-def act_lanes(policy, memory, world, agent, speed, steering):
+def act_lanes(
+    policy: Any,
+    memory: np.ndarray,
+    world: World,
+    agent: int,
+    speed: np.ndarray,
+    steering: np.ndarray,
+) -> None:
     """Decide for one HAV in every lane of a block of worlds.
 
     What is decided for HAVs that wait is ignored; their memory must not change.
@@ -89,13 +102,13 @@ def act_worlds(first, last, policy, memory, worlds, speed, steering, first_agent
 
 
 @functools.singledispatch
-def memory_size(policy) -> int:
+def memory_size(policy: Any) -> int:
     """Return K, how many numbers a HAV under this policy keeps between steps."""
     return 0
 
 
 @functools.singledispatch
-def broadcast_size(policy) -> int:
+def broadcast_size(policy: Any) -> int:
     """Return B, how many of the numbers that a HAV keeps are for others to hear: its first ones.
 
     Everybody else's other numbers are private. HAVs decide one after another, in the order of
@@ -106,12 +119,12 @@ def broadcast_size(policy) -> int:
 
 
 @kernel
-def heard(memory, world, agent, k, number, lane):
+def heard(memory: np.ndarray, world: World, agent: int, k: int, number: int, lane: int) -> float:
     """Return one of the numbers that neighbour ``k`` broadcasts; nobody out of range is heard."""
     return memory[neighbor_id(world, agent, k, lane), number, lane]
 
 
-def allocate_memory(policy, num_havs: int, num_worlds: int) -> np.ndarray:
+def allocate_memory(policy: Policy, num_havs: int, num_worlds: int) -> np.ndarray:
     """Return the memory (N, K, W) of a policy at the beginning of an episode; W is at least 2.
 
     The numbers of all lanes lie together for a policy that acts on lanes, otherwise those of a HAV.
@@ -129,7 +142,9 @@ def find_kernel(model_class: type) -> Callable | None:
     return act.table.get(model_class) or act_lanes.table.get(model_class)
 
 
-def check_policy(policy, scenario, task=Task(), vehicle=OnAxle()) -> None:
+def check_policy(
+    policy: Any, scenario: Scenario, task: Task = Task(), vehicle: Vehicle = OnAxle()
+) -> None:
     """Check a policy before it is used in a scenario, under rules, on a kind of vehicle.
 
     These have been checked by themselves.
@@ -138,14 +153,40 @@ def check_policy(policy, scenario, task=Task(), vehicle=OnAxle()) -> None:
         TypeError: when its type has no kernel, or a parameter has a value of another kind.
         ValueError: naming the parameter, its value and what is allowed.
     """
-    if find_kernel(type(policy)) is None:
+    kernel = find_kernel(type(policy))
+    if kernel is None:
         raise TypeError(f"{show(policy)} is not a policy: register its type with act")
     check_fields("policy", policy)
     check_parameters(policy, scenario)
     check_rules(policy, scenario, task, vehicle)
+    _try(policy, scenario, kernel)
 
 
-def check_models(policy, scenario, task, vehicle) -> None:
+def _try(policy: Policy, scenario: Scenario, kernel: Callable) -> None:
+    """Let the policy decide once as plain Python; see ``hav_env.simulator.trial``."""
+    havs, trailers = min(scenario.num_havs, HAVS_TRIED), scenario.max_trailers
+
+    def call() -> str:
+        worlds = sample_worlds(havs, scenario.num_goals, trailers)
+        memory = allocate_memory(policy, havs, LANES_TRIED)
+        speed, steering = np.full((2, havs, LANES_TRIED), np.nan)
+        for agent in range(havs):
+            if type(policy) in act_lanes.table:
+                act_lanes(policy, memory, worlds, agent, speed, steering)
+                decided = *speed[agent], *steering[agent]
+                if not np.isfinite(decided).all():
+                    return f"writes {decided}, but must write finite speeds and steering angles"
+            else:
+                decided = act(policy, memory, worlds, agent, 0)
+                pair = isinstance(decided, tuple) and len(decided) == 2
+                if not (pair and all(map(is_number, decided)) and np.isfinite(decided).all()):
+                    return f"returns {show(decided)}, but must return speed and steering"
+        return ""
+
+    attempt("policy", policy, kernel, call)
+
+
+def check_models(policy: Any, scenario: Any, task: Any, vehicle: Any) -> None:
     """Check all that an episode is run with.
 
     Raises:
@@ -159,7 +200,7 @@ def check_models(policy, scenario, task, vehicle) -> None:
 
 
 @functools.singledispatch
-def check_parameters(policy, scenario) -> None:
+def check_parameters(policy: Any, scenario: Scenario) -> None:
     """Check what one kind of policy demands of its parameters and the scenario's limits.
 
     Registered by policies that demand more than the ranges of their fields; raises ValueError.
@@ -167,7 +208,7 @@ def check_parameters(policy, scenario) -> None:
 
 
 @functools.singledispatch
-def check_rules(policy, scenario, task, vehicle) -> None:
+def check_rules(policy: Any, scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
     """Check what one kind of policy demands of the rules of an episode and of the kinematics.
 
     Registered by policies that predict what a step will lead to; raises ValueError.
@@ -175,7 +216,7 @@ def check_rules(policy, scenario, task, vehicle) -> None:
 
 
 @functools.singledispatch
-def joint_weights(policy, cosine: np.ndarray) -> np.ndarray:
+def joint_weights(policy: Any, cosine: np.ndarray) -> np.ndarray:
     """Return the jackknife weight of every joint, eq. (jackknife-weigt-func).
 
     Registered by policies with other coefficients than the paper's.
@@ -188,7 +229,7 @@ def joint_weights(policy, cosine: np.ndarray) -> np.ndarray:
 
 
 @functools.singledispatch
-def evaded_by(policy, memory: np.ndarray) -> np.ndarray:
+def evaded_by(policy: Any, memory: np.ndarray) -> np.ndarray:
     """Return (N, W) which HAV each HAV evades, as ``memory`` tells; NEVER for none.
 
     Registered by policies that evade one HAV at a time and remember which.
@@ -197,7 +238,7 @@ def evaded_by(policy, memory: np.ndarray) -> np.ndarray:
 
 
 def decide(
-    policy, memory: np.ndarray, batch: Batch, first_agent: int = 0
+    policy: Policy, memory: np.ndarray, batch: Batch, first_agent: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return speed [m/s] and steering [rad], each (N, W), of every HAV of a batch.
 

@@ -1,8 +1,10 @@
 """This module makes policies by name: "avoid_jack", a file, or ``module:Class`` of your own."""
 
+import os
 from typing import Any
 
 from hav_env.models.names import Registry
+from hav_env.models.protocols import Policy
 from hav_env.policies.interface import find_kernel
 
 POLICIES = Registry(
@@ -13,7 +15,7 @@ POLICIES = Registry(
 )
 
 
-def make_policy(policy: Any, **parameters: Any) -> Any:
+def make_policy(policy: Policy | str | os.PathLike[str], **parameters: Any) -> Policy:
     """Return a policy: ``make_policy("avoid_jack", close_factor=3.0)``.
 
     Args:

@@ -1,13 +1,26 @@
 """Who starts where and must go where: one file for each kind of scenario, chosen by its type.
 
 A scenario is a NamedTuple that has ``num_havs``, ``num_goals`` and ``max_trailers``, from which the
-arrays get their shapes, and ``articulation_max``, beyond which its HAVs are jackknifed [rad]. Where
-HAVs are drawn, it has a ``fleet``, which says how.
+arrays get their shapes, ``articulation_max``, beyond which its HAVs are jackknifed [rad], and a
+``fleet``, which says how HAVs are drawn and what the limits of all are. A HAV's lengths and limits
+are written down in ``Explicit``, which is its own fleet.
 """
 
+from typing import Any
+
 from hav_env.compiled import generic
+from hav_env.models.annotations import show
 from hav_env.models.checks import check_model, check_value
-from hav_env.models.quantities import Articulation, Goals, Havs, Trailers
+from hav_env.models.quantities import (
+    Articulation,
+    Goals,
+    Havs,
+    Length,
+    Share,
+    Speed,
+    Steering,
+    Trailers,
+)
 from hav_env.scenarios.column import Column, populate_column
 from hav_env.scenarios.crossing import Crossing, populate_crossing
 from hav_env.scenarios.explicit import Explicit, explicit, populate_explicit
@@ -15,6 +28,7 @@ from hav_env.scenarios.explicit_files import load_explicit
 from hav_env.scenarios.fleets import RandomFleet
 from hav_env.scenarios.random_poses import RandomPoses, populate_random_poses
 from hav_env.scenarios.yard import Yard, populate_yard
+from hav_env.world.arrays import World
 
 _ALWAYS = {
     "num_havs": Havs,
@@ -22,17 +36,26 @@ _ALWAYS = {
     "max_trailers": Trailers,
     "articulation_max": Articulation,
 }
+_OF_FLEET = {
+    "min_length": Length,
+    "max_length": Length,
+    "speed_max": Speed,
+    "steering_max": Steering,
+    "articulation_max": Articulation,
+    "footprint_truck_share": Share,
+}
 
 
 @generic
-def populate(scenario, world, lane):
+def populate(scenario: Any, world: World, lane: int) -> bool:
     """Fill fleet, start poses and goals of the world in one lane from the key of its episode.
 
     Returns False when the scenario found no room for its HAVs.
     """
+    raise NotImplementedError
 
 
-def check_scenario(scenario) -> None:
+def check_scenario(scenario: Any) -> None:
     """Check a scenario before it is used.
 
     Raises:
@@ -42,6 +65,10 @@ def check_scenario(scenario) -> None:
     check_model("scenario", scenario, populate)
     for name, kind in _ALWAYS.items():  # which may be properties
         check_value(f"scenario {name}", kind, getattr(scenario, name, None))
+    if not hasattr(scenario, "fleet"):
+        raise TypeError(f"scenario is {show(scenario)}, but must have a fleet: its HAVs' limits")
+    for name, kind in _OF_FLEET.items():
+        check_value(f"fleet {name}", kind, getattr(scenario.fleet, name, None))
 
 
 class PlacementError(ValueError):

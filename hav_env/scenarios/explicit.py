@@ -38,6 +38,21 @@ class Explicit(NamedTuple):
     articulation_max: Articulation
     footprint_truck_share: Share = 0.0
 
+    @property
+    def fleet(self) -> "Explicit":
+        """The HAVs: those that are written down."""
+        return self
+
+    @property
+    def min_length(self) -> float:
+        """Least length of a unit [m]."""
+        return float(np.min(self.length))
+
+    @property
+    def max_length(self) -> float:
+        """Largest length of a unit [m]."""
+        return float(np.max(self.length[np.isfinite(self.length)]))
+
 
 def explicit(
     lengths: Sequence[Sequence[float]],

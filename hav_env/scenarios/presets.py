@@ -14,10 +14,11 @@ The fleets are the paper's throughout; everything else is in the docstrings of t
 """
 
 import os
-from typing import Any
+from typing import Any, cast
 
 from hav_env.models.checks import check_value
 from hav_env.models.names import Registry
+from hav_env.models.protocols import Scenario
 from hav_env.models.quantities import Havs
 from hav_env.scenarios import (
     Column,
@@ -53,7 +54,7 @@ REGISTRY = Registry(
 )
 
 
-def find_scenario(name: str | os.PathLike[str]) -> Any:
+def find_scenario(name: str | os.PathLike[str]) -> Scenario:
     """Return a scenario by its name; one of a class has that class's defaults.
 
     Args:
@@ -67,7 +68,9 @@ def find_scenario(name: str | os.PathLike[str]) -> Any:
     return REGISTRY.make(name if isinstance(name, str | os.PathLike) else REGISTRY.find(name))
 
 
-def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:
+def scenario_of(
+    scenario: Scenario | str | os.PathLike[str], num_havs: int | None = None
+) -> Scenario:
     """Return a scenario that has been checked.
 
     Args:
@@ -91,6 +94,6 @@ def scenario_of(scenario: Any, num_havs: int | None = None) -> Any:
             f"num_havs is {num_havs}, but an explicit scenario has the HAVs that are written down:"
             f" {found.num_havs}"
         )
-    changed = found._replace(num_havs=int(num_havs))
+    changed = cast(Any, found)._replace(num_havs=int(num_havs))
     check_scenario(changed)
     return changed

@@ -9,9 +9,11 @@ from hav_env.maths.random_numbers import SEED_LIMIT, Seed
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
+from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.models.quantities import Threads, Worlds
 from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.simulator.transition import begin, remove_arrived, step
+from hav_env.simulator.trial import try_scenario, try_vehicle
 from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world.arrays import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
@@ -51,10 +53,10 @@ class Batch:
 
     def __init__(
         self,
-        scenario,
+        scenario: Scenario,
         num_worlds: int = 1,
         task: Task = Task(),  # a NamedTuple is immutable
-        vehicle=OnAxle(),
+        vehicle: Vehicle = OnAxle(),
         threads: int | None = None,
     ) -> None:
         """Allocate the worlds; they are empty until ``reset``.
@@ -73,6 +75,8 @@ class Batch:
         check_scenario(scenario)
         check_task(task)
         check_vehicle(vehicle)
+        try_scenario(scenario)
+        try_vehicle(vehicle)
         self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
         self.num_worlds = int(num_worlds)
         self.threads = threads
@@ -190,7 +194,7 @@ def read_episodes(episodes: Any) -> np.ndarray:
     return np.ascontiguousarray(array, np.int64)
 
 
-def check_placed(placed: np.ndarray, scenario) -> None:
+def check_placed(placed: np.ndarray, scenario: Scenario) -> None:
     """Raise PlacementError when a world had no room for its HAVs."""
     if not placed.all():
         raise PlacementError(

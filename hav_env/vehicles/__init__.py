@@ -1,13 +1,16 @@
 """How a truck and its trailers move: one file for each model, chosen by its type."""
 
+from typing import Any
+
 from hav_env.compiled import generic
 from hav_env.models.checks import check_model
 from hav_env.models.names import Registry
 from hav_env.vehicles.on_axle import OnAxle, move_on_axle
+from hav_env.world.arrays import World
 
 
 @generic
-def move(vehicle, dt, world, agent):
+def move(vehicle: Any, dt: float, world: World, agent: int) -> None:
     """Move one HAV in every lane of a block of worlds, for ``dt`` [s].
 
     Reads the truck's speed ``state.speed[agent]`` [m/s] and ``state.steering[agent]`` [rad], which
@@ -16,7 +19,7 @@ def move(vehicle, dt, world, agent):
     """
 
 
-def check_vehicle(vehicle) -> None:
+def check_vehicle(vehicle: Any) -> None:
     """Check a vehicle model before it is used.
 
     Raises:

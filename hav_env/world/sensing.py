@@ -22,6 +22,7 @@ from hav_env.world.arrays import (
     STEERING_COSINE,
     STEERING_SINE,
     STEP,
+    World,
     X,
     Y,
     into_truck_frame,
@@ -31,25 +32,25 @@ from hav_env.world.collision import front_axle, front_gap, nearest_on_chain
 
 
 @kernel
-def num_trailers(world, agent, lane):
+def num_trailers(world: World, agent: int, lane: int) -> int:
     """Return N_i."""
     return world.fleet.num_trailers[agent, lane]
 
 
 @kernel
-def unit_length(world, agent, unit, lane):
+def unit_length(world: World, agent: int, unit: int, lane: int) -> float:
     """Return l^unit [m]; unit 0 is the truck."""
     return world.fleet.length[agent, unit, lane]
 
 
 @kernel
-def stable_radius(world, agent, lane):
+def stable_radius(world: World, agent: int, lane: int) -> float:
     """Return R_min [m], eq. (rmin)."""
     return world.fleet.radius[agent, STABLE, lane]
 
 
 @kernel
-def drivable_radius(world, agent, lane):
+def drivable_radius(world: World, agent: int, lane: int) -> float:
     """Return the radius of the tightest circle to drive on for good [m].
 
     It is R_min, below which trailers may jackknife, or what the wheels allow, l^0 / tan(phi^max),
@@ -62,21 +63,21 @@ def drivable_radius(world, agent, lane):
 
 
 @kernel
-def limits(world, agent, lane):
+def limits(world: World, agent: int, lane: int) -> tuple[float, float, float]:
     """Return maximum speed [m/s], steering [rad] and articulation [rad]."""
     limit = world.fleet.limit
     return limit[agent, SPEED, lane], limit[agent, STEERING, lane], limit[agent, ARTICULATION, lane]
 
 
 @kernel
-def steering_direction(world, agent, lane):
+def steering_direction(world: World, agent: int, lane: int) -> tuple[float, float]:
     """Return cosine and sine of the maximum steering angle."""
     limit = world.fleet.limit
     return limit[agent, STEERING_COSINE, lane], limit[agent, STEERING_SINE, lane]
 
 
 @kernel
-def articulation_direction(world, agent, joint, lane):
+def articulation_direction(world: World, agent: int, joint: int, lane: int) -> tuple[float, float]:
     """Return cosine and sine of an articulation: joint 1 is the first, bending left is positive."""
     cosine, sine = world.state.cosine, world.state.sine
     return into_frame(
@@ -88,7 +89,7 @@ def articulation_direction(world, agent, joint, lane):
 
 
 @kernel
-def goal_pose(world, agent, lane):
+def goal_pose(world: World, agent: int, lane: int) -> tuple[float, float, float]:
     """Return the goal under way: forward [m], left [m], heading relative to the truck's [rad]."""
     state, goal = world.state, world.state.goal
     dx = goal[agent, X, lane] - state.x[agent, lane]
@@ -98,7 +99,7 @@ def goal_pose(world, agent, lane):
 
 
 @kernel
-def goal_direction(world, agent, lane):
+def goal_direction(world: World, agent: int, lane: int) -> tuple[float, float]:
     """Return cosine and sine of the goal's heading relative to the truck's."""
     goal = world.state.goal
     cosine, sine = goal[agent, COSINE, lane], goal[agent, SINE, lane]
@@ -106,32 +107,32 @@ def goal_direction(world, agent, lane):
 
 
 @kernel
-def waits(world, agent, lane):
+def waits(world: World, agent: int, lane: int) -> bool:
     """Tell whether the HAV waits at the goal under way until the others have hit theirs."""
     return world.state.waiting[agent, lane]
 
 
 @kernel
-def goals_left(world, agent, lane):
+def goals_left(world: World, agent: int, lane: int) -> int:
     """Return how many goals the HAV has yet to hit."""
     hit = world.state.clock[PHASE, lane] + (1 if world.state.waiting[agent, lane] else 0)
     return world.goals.shape[1] - hit
 
 
 @kernel
-def num_neighbors(world, agent, lane):
+def num_neighbors(world: World, agent: int, lane: int) -> int:
     """Return how many other HAVs are in sensing range."""
     return world.nearby.count[agent, lane]
 
 
 @kernel
-def neighbor_id(world, agent, k, lane):
+def neighbor_id(world: World, agent: int, k: int, lane: int) -> int:
     """Return the number of the HAV that is neighbour ``k``; neighbours come in ascending order."""
     return world.nearby.index[agent, k, lane]
 
 
 @kernel
-def neighbor_position(world, agent, k, lane):
+def neighbor_position(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return where the truck's rear axle of neighbour ``k`` is: forward [m], left [m]."""
     state, other = world.state, world.nearby.index[agent, k, lane]
     dx = state.x[other, lane] - state.x[agent, lane]
@@ -140,20 +141,20 @@ def neighbor_position(world, agent, k, lane):
 
 
 @kernel
-def neighbor_distance(world, agent, k, lane):
+def neighbor_distance(world: World, agent: int, k: int, lane: int) -> float:
     """Return the distance [m] from truck to truck of neighbour ``k``."""
     return truck_distance(world.state, agent, world.nearby.index[agent, k, lane], lane)
 
 
 @kernel
-def neighbor_heading(world, agent, k, unit, lane):
+def neighbor_heading(world: World, agent: int, k: int, unit: int, lane: int) -> float:
     """Return the heading of a unit of neighbour ``k`` relative to the own truck's [rad]."""
     other = world.nearby.index[agent, k, lane]
     return wrap(world.state.heading[other, unit, lane] - world.state.heading[agent, 0, lane])
 
 
 @kernel
-def neighbor_heading_direction(world, agent, k, lane):
+def neighbor_heading_direction(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return cosine and sine of the heading of neighbour ``k`` relative to the own truck's."""
     state, other = world.state, world.nearby.index[agent, k, lane]
     return into_truck_frame(
@@ -162,31 +163,33 @@ def neighbor_heading_direction(world, agent, k, lane):
 
 
 @kernel
-def neighbor_footprint(world, agent, k, lane):
+def neighbor_footprint(world: World, agent: int, k: int, lane: int) -> float:
     """Return the footprint radius d_h [m] of neighbour ``k``."""
     return world.fleet.radius[world.nearby.index[agent, k, lane], FOOTPRINT, lane]
 
 
 @kernel
-def neighbor_length(world, agent, k, unit, lane):
+def neighbor_length(world: World, agent: int, k: int, unit: int, lane: int) -> float:
     """Return the length [m] of a unit of neighbour ``k``."""
     return world.fleet.length[world.nearby.index[agent, k, lane], unit, lane]
 
 
 @kernel
-def neighbor_trailers(world, agent, k, lane):
+def neighbor_trailers(world: World, agent: int, k: int, lane: int) -> int:
     """Return how many trailers neighbour ``k`` pulls."""
     return world.fleet.num_trailers[world.nearby.index[agent, k, lane], lane]
 
 
 @kernel
-def neighbor_articulation(world, agent, k, joint, lane):
+def neighbor_articulation(
+    world: World, agent: int, k: int, joint: int, lane: int
+) -> tuple[float, float]:
     """Return cosine and sine of an articulation of neighbour ``k``, as for the HAV itself."""
     return articulation_direction(world, world.nearby.index[agent, k, lane], joint, lane)
 
 
 @kernel
-def neighbor_nearest_point(world, agent, k, lane):
+def neighbor_nearest_point(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return the point of the chain of neighbour ``k`` that is nearest: forward [m], left [m]."""
     state, other = world.state, world.nearby.index[agent, k, lane]
     x, y = state.x[agent, lane], state.y[agent, lane]
@@ -195,7 +198,7 @@ def neighbor_nearest_point(world, agent, k, lane):
 
 
 @kernel
-def neighbor_before_front(world, agent, k, lane):
+def neighbor_before_front(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return the point of the chain of neighbour ``k`` that is nearest to the own front axle.
 
     It is seen from there: forward [m], left [m].
@@ -206,26 +209,26 @@ def neighbor_before_front(world, agent, k, lane):
 
 
 @kernel
-def neighbor_front_gap(world, agent, k, lane):
+def neighbor_front_gap(world: World, agent: int, k: int, lane: int) -> float:
     """Return the distance from the front axle of neighbour ``k`` to the own chain [m]."""
     return front_gap(world, world.nearby.index[agent, k, lane], agent, lane)
 
 
 @kernel
-def neighbor_speed(world, agent, k, lane):
+def neighbor_speed(world: World, agent: int, k: int, lane: int) -> float:
     """Return the speed of neighbour ``k`` in the last step [m/s]; one that waits has none."""
     other = world.nearby.index[agent, k, lane]
     return 0.0 if world.state.waiting[other, lane] else world.state.speed[other, lane]
 
 
 @kernel
-def own_footprint(world, agent, lane):
+def own_footprint(world: World, agent: int, lane: int) -> float:
     """Return the footprint radius d_i [m]."""
     return world.fleet.radius[agent, FOOTPRINT, lane]
 
 
 @kernel
-def episode_key(world, lane):
+def episode_key(world: World, lane: int) -> tuple[int, int, int]:
     """Return seed, number of the episode and step: the clock and dice that all HAVs share."""
     clock = world.state.clock
     return clock[SEED, lane], clock[EPISODE, lane], clock[STEP, lane]

@@ -132,9 +132,8 @@ def test_keys_are_watched_while_there_is_a_window(keyboard, monkeypatch):
 
 
 def test_the_close_button_ends_the_driving(keyboard):
-    from test_rendering import SIZE, scene
-
     from hav_env.rendering.viewer import Viewer
+    from tests.rendering.test_rendering import SIZE, scene
 
     class Drawn(Road):
         viewer = Viewer("human", size=SIZE, frames_per_second=1000)

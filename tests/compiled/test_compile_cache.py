@@ -13,7 +13,7 @@ import pytest
 from hav_env.compiled import cache_folder as homes
 from hav_env.compiled import disk_cache as kept_code
 from hav_env.compiled.cache_folder import find_home
-from hav_env.compiled.disk_cache import KeptCode, describe
+from hav_env.compiled.disk_cache import DiskCache, describe
 from hav_env.compiled.kernels import ENTERED
 from tests.support.budgets import COMPILED
 
@@ -32,7 +32,7 @@ SINGLES = numba.typeof((0, 0, np.zeros(4, np.float32))).types
 def loaded(folder, kinds=FLOATS):
     """Compile or load ``fill``, see that it works, and return whether it was loaded."""
     loop = numba.njit(**ENTERED)(fill)
-    loop._cache = KeptCode(fill, folder)
+    loop._cache = DiskCache(fill, folder)
     loop.compile(kinds)
     numbers = np.zeros(4, np.float32 if kinds is SINGLES else float)
     loop(0, 4, numbers)

@@ -175,7 +175,7 @@ class Unregistered(NamedTuple):
     gain: float = 1.0
 
 
-@pytest.mark.parametrize("policy", [Unregistered(), None, "avoid_jack", AvoidJack])
+@pytest.mark.parametrize("policy", [Unregistered(), None, 5])
 def test_what_is_no_policy_is_an_error(policy):
     with pytest.raises(TypeError, match="is not a policy"):
         rollout(policy, RandomPoses(), 0, np.arange(2))

@@ -106,7 +106,7 @@ def text(path):
         (
             ["evaluate", "nobody"],
             None,
-            "random, reserve, ppo_single, ppo_pair, ppo_beginner, FILE.policy, module:Class",
+            "known: avoid_jack, dubins_pursuit, ppo_beginner, ppo_pair, ppo_single, random",
         ),
     ],
 )

@@ -1,0 +1,95 @@
+"""This module compiles ahead of time: it runs every policy, scenario and environment for a step.
+
+Compiled code is kept on disk, so that whatever is run later starts at once.
+"""
+
+import concurrent.futures
+import dataclasses
+import multiprocessing
+import time
+
+from hav_env.compiled import default_threads
+from hav_env.models.checks import check_value
+from hav_env.models.quantities import Threads
+from hav_env.policies.names import POLICIES
+from hav_env.scenarios.presets import SCENARIOS
+
+
+@dataclasses.dataclass
+class Compile:
+    """What is compiled, and how."""
+
+    policies: tuple[str, ...] = ()
+    """Names, files, or module:Class; by default all that have a name."""
+    processes: int | None = None
+    """How many compile at a time; by default HAV_THREADS or all cores."""
+
+
+def compile_all(options: Compile) -> None:
+    """Compile everything for which there is no compiled code yet, and say what took how long.
+
+    Raises:
+        ValueError, TypeError: when there is no such policy, or ``processes`` is not allowed.
+    """
+    check_value("processes", Threads | None, options.processes)
+    for name in options.policies:
+        POLICIES.find(name)
+    jobs = [
+        *((compile_policy, name) for name in options.policies or POLICIES.names()),
+        (compile_environments, "environments"),
+        (compile_scenarios, "scenarios"),
+    ]
+    begun = time.monotonic()
+    processes = options.processes or default_threads()
+    spawn = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(processes, spawn) as pool:
+        running = {pool.submit(job, name): name for job, name in jobs}
+        for done in concurrent.futures.as_completed(running):
+            print(f"{running[done]}: {done.result():.1f} s", flush=True)
+    print(f"all is compiled: {time.monotonic() - begun:.0f} s")
+
+
+def compile_policy(name: str) -> float:
+    """Compile a policy for rollouts and for environments; return how long it took [s]."""
+    # a process that compiles something else does without tables
+    import numpy as np  # noqa: PLC0415
+
+    from hav_env.evaluation.rollout import rollout  # noqa: PLC0415
+    from hav_env.policies.driver import PolicyDriver  # noqa: PLC0415
+    from hav_env.simulator.batch import Batch  # noqa: PLC0415
+    from hav_env.world.task import Task  # noqa: PLC0415
+
+    begun = time.monotonic()
+    policy, pair = POLICIES.make(name), SCENARIOS["paper-pair"]
+    rollout(policy, pair, 0, np.arange(2), Task(max_steps=2))
+    batch = Batch(pair, 2)
+    batch.reset(0)
+    batch.step(*PolicyDriver(policy, batch).decide())
+    return time.monotonic() - begun
+
+
+def compile_scenarios(name: str) -> float:
+    """Compile the beginning of episodes for every class of scenarios; return the time [s]."""
+    from hav_env.simulator.batch import Batch  # noqa: PLC0415
+
+    begun = time.monotonic()
+    for scenario in {type(scenario): scenario for scenario in SCENARIOS.values()}.values():
+        Batch(scenario, 2).reset(0)
+    return time.monotonic() - begun
+
+
+def compile_environments(name: str) -> float:
+    """Compile what all environments step and observe with; return how long it took [s]."""
+    import gymnasium  # noqa: PLC0415
+
+    begun = time.monotonic()
+    for made in (
+        gymnasium.make("hav_env:HAVSwarm-v0"),
+        gymnasium.make_vec(
+            "hav_env:HAVSwarm-v0", num_envs=2, vectorization_mode="vector_entry_point"
+        ),
+    ):
+        made.reset(seed=0)
+        made.step(made.action_space.sample())
+        made.close()
+    return time.monotonic() - begun

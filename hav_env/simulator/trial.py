@@ -1,0 +1,97 @@
+"""This module tries code of the user's once as plain Python, before it is compiled.
+
+A misspelt name or a wrong result is then one line that names the user's file and line. Numba would
+take seconds, and say it in a page. Models of the project are not tried, and each class is once.
+"""
+
+import traceback
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from hav_env.scenarios import RandomFleet, RandomPoses, populate
+from hav_env.simulator.transition import begin
+from hav_env.vehicles import move
+from hav_env.world.arrays import World, allocate_worlds
+from hav_env.world.lanes import block_of
+from hav_env.world.task import Task
+
+LANES_TRIED, HAVS_TRIED = 2, 3
+_OURS = {"hav_env", "baselines", "train"}
+_tried: set[Any] = set()
+
+
+def attempt(kind: str, model: Any, kernel: Callable, call: Callable[[], str]) -> None:
+    """Call a kernel of the user's as plain Python, unless it has been tried.
+
+    Args:
+        kind: of model, for the message.
+        model: whose class selects the kernel.
+        kernel: registered with that class.
+        call: calls the kernel, and returns a rule that its result broke, or "".
+
+    Raises:
+        ValueError: when the kernel raises or its result is wrong, naming file and line.
+    """
+    if kernel.__module__.partition(".")[0] in _OURS or kernel in _tried:
+        return
+    _tried.add(kernel)
+    code = kernel.__code__
+    line: int | None = code.co_firstlineno
+    try:
+        with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):
+            broken = call()
+    except ZeroDivisionError:  # compiled code goes on with infinity
+        return
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [frame.lineno for frame in frames if frame.filename == code.co_filename]
+        line = lines[-1] if lines else line
+        broken = f"raises {type(error).__name__}: {error}"
+    if broken:
+        _tried.discard(kernel)
+        told = f"{kind} {type(model).__name__}: {kernel.__name__} {broken}"
+        raise ValueError(f"{told} ({code.co_filename}, line {line})")
+
+
+def try_scenario(scenario: Any) -> None:
+    """Try the scenario's code in one world; see ``attempt``."""
+    kernel = populate.table[type(scenario)]
+    few = scenario
+    if "num_havs" in scenario._fields and scenario.num_havs > HAVS_TRIED:
+        few = scenario._replace(num_havs=HAVS_TRIED)
+
+    def call() -> str:
+        worlds = allocate_worlds(1, few.num_havs, few.max_trailers + 1, few.num_goals)
+        placed = populate(few, worlds, 0)
+        if not isinstance(placed, bool | np.bool_):
+            return f"returns {placed!r}, but must return whether there was room: True or False"
+        return ""
+
+    attempt("scenario", scenario, kernel, call)
+
+
+def try_vehicle(vehicle: Any) -> None:
+    """Try the vehicle's code in one step; see ``attempt``."""
+
+    def call() -> str:
+        worlds = sample_worlds()
+        move(vehicle, 0.2, worlds, 0)
+        state = worlds.state
+        poses = state.x[0], state.y[0], *state.heading[0], *state.cosine[0], *state.sine[0]
+        return "" if np.isfinite(poses).all() else "writes a pose that is not finite"
+
+    attempt("vehicle", vehicle, move.table[type(vehicle)], call)
+
+
+def sample_worlds(num_havs: int = HAVS_TRIED, num_goals: int = 2, max_trailers: int = 3) -> World:
+    """Return ``LANES_TRIED`` worlds of random HAVs that drive straight on, at their beginning."""
+    fleet = RandomFleet(max_trailers=max_trailers)
+    scenario = RandomPoses(num_havs=num_havs, num_goals=num_goals, fleet=fleet)
+    worlds = allocate_worlds(LANES_TRIED, num_havs, max_trailers + 1, num_goals)
+    for lane in range(LANES_TRIED):
+        begin(scenario, Task(), worlds, lane, 0, lane)
+    worlds.state.speed[:] = 1.0
+    return block_of(worlds, 0, LANES_TRIED, worlds.units)

@@ -1,0 +1,106 @@
+"""A mistake in code of the user's is one line with file and line, before anything is compiled."""
+
+import importlib
+import re
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+from hav_env import Batch, RandomPoses, rollout
+from hav_env.policies import check_policy
+
+MODULE = """
+    from __future__ import annotations
+
+    from typing import NamedTuple
+
+    import numpy as np
+
+    from hav_env import RandomFleet, act, act_lanes, move, populate, sensing
+
+
+    class Mine(NamedTuple):
+        gain: float = 1.0
+        fleet: RandomFleet = RandomFleet()
+        num_havs: int = 2
+        num_goals: int = 1
+        max_trailers: int = 3
+        articulation_max: float = 1.5
+
+
+    @{register}.register(Mine)
+    def mine({arguments}):
+        {body}
+"""
+ACT = "policy, memory, world, agent, lane"
+LANES = "policy, memory, world, agent, speed, steering"
+
+
+@pytest.fixture
+def mine(tmp_path, monkeypatch):
+    """Return a function that writes and imports a module, and returns its model."""
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def make(register, arguments, body):
+        text = MODULE.format(register=register, arguments=arguments, body=body)
+        (tmp_path / "written_here.py").write_text(textwrap.dedent(text))
+        sys.modules.pop("written_here", None)
+        importlib.invalidate_caches()
+        return importlib.import_module("written_here").Mine()
+
+    yield make
+    sys.modules.pop("written_here", None)
+
+
+@pytest.mark.parametrize(
+    ("register", "arguments", "body", "told"),
+    [
+        ("act", ACT, "return sensing.goal_posee(world, agent, lane)", "has no attribute 'goal_p"),
+        ("act", ACT, "return undefined, 0.0", "NameError: name 'undefined' is not defined"),
+        ("act", ACT, "return 1.0", "returns 1.0, but must return speed and steering"),
+        ("act", ACT, "pass", "returns None, but must return speed and steering"),
+        ("act", ACT, "return 1.0, None", r"returns \(1.0, None\), but must return"),
+        ("act", ACT, "return 1.0, np.nan", r"returns \(1.0, nan\), but must return"),
+        ("act", "policy, memory, world", "return 1.0, 0.0", "TypeError: mine\\(\\) takes 3"),
+        ("act_lanes", LANES, "speed[agent] = 1.0", "must write finite speeds and steering"),
+        ("act_lanes", LANES, "spead[agent] = 1.0", "NameError: name 'spead' is not defined"),
+    ],
+)
+def test_a_wrong_policy_is_one_line(register, arguments, body, told, mine):
+    policy = mine(register, arguments, body)
+    with pytest.raises(ValueError, match=told) as error:
+        check_policy(policy, RandomPoses())
+    assert re.search(r"written_here.py, line (19|2\d)\)$", str(error.value))
+    assert "\n" not in str(error.value)
+    with pytest.raises(ValueError, match=told):  # and again: it is not taken for tried
+        rollout(policy, RandomPoses(), 0, np.arange(1))
+
+
+@pytest.mark.parametrize(
+    ("register", "arguments", "body", "told"),
+    [
+        ("populate", "scenario, world, lane", "world.state.xx[0] = 1.0", "no attribute 'xx'"),
+        ("populate", "scenario, world, lane", "pass", "returns None, but must return whether"),
+        ("move", "vehicle, dt, world, agent", "wrong()", "name 'wrong' is not defined"),
+        ("move", "vehicle, dt, world, agent", "world.state.x[agent] = np.nan", "is not finite"),
+    ],
+)
+def test_a_wrong_scenario_or_vehicle_is_one_line(register, arguments, body, told, mine):
+    model = mine(register, arguments, body)
+    with pytest.raises(ValueError, match=told) as error:
+        Batch(model) if register == "populate" else Batch(RandomPoses(), vehicle=model)
+    assert re.search(r"written_here.py, line (19|2\d)\)$", str(error.value))
+
+
+def test_what_only_plain_python_refuses_is_no_mistake(mine):
+    check_policy(mine("act", ACT, "return 1.0 / float(agent * 0), 0.0"), RandomPoses())
+
+
+def test_a_right_policy_under_future_annotations_runs(mine):
+    policy = mine("act", ACT, "return policy.gain, 0.0")
+    table = rollout(policy, "paper-pair", 0, np.arange(2), threads=1)
+    assert table.num_rows == 4
+    with pytest.raises(TypeError, match="policy gain is one, a str and not a number"):
+        check_policy(policy._replace(gain="one"), RandomPoses())
