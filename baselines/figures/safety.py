@@ -31,7 +31,8 @@ from baselines.figures.trajectory_plot import (
 )
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.reserve import Reserve
-from baselines.policies.reserve.memory import rows as rows_of
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import states
 from baselines.policies.reserve.prediction.paths import total_length
 from baselines.replay.trajectory import Trajectory, chain_points, record_trajectory
 from hav_env import Crossing, RandomPoses, Task
@@ -158,13 +159,13 @@ def _doing(trajectory: Trajectory, rows: np.ndarray, hav: int, state: int) -> st
     """Say what a HAV does in a state, in which it remembers ``rows``."""
     if trajectory.waiting[state, hav]:
         return "has arrived"
-    if rows[rows_of.MODE] != rows_of.RESERVED:
+    if rows[m.MODE] != states.RESERVED:
         return "stands, nothing reserved"
     if trajectory.speed[max(state - 1, 0), hav] == 0.0:
         return "waits for its next part"
-    if rows[rows_of.PURPOSE] == rows_of.CIRCLE:
+    if rows[m.PURPOSE] == states.CIRCLE_PATH:
         return "drives round its circle"
-    if rows[rows_of.SIDE] == 0.0:
+    if rows[m.CIRCLE_SIDE] == 0.0:
         return "drives the rest to its goal"
     return "drives a part of its path"
 
@@ -179,8 +180,8 @@ def _draw_reserved(
     if corners is not None:
         axes.fill(*corners.T, fc=color, alpha=0.2, zorder=1)
         axes.fill(*corners.T, fill=False, ec=color, lw=0.8, zorder=2)
-        if rows[rows_of.PURPOSE] == rows_of.GOAL:
-            path = path_ahead(rows, *pose, total_length(rows, rows_of.PATH))
+        if rows[m.PURPOSE] == states.GOAL_PATH:
+            path = path_ahead(rows, *pose, total_length(rows, m.CURRENT_PATH))
             axes.plot(*path[:, :2].T, color=color, zorder=2, **_DOTTED)
     if circle is not None:
         (x, y), radius = circle

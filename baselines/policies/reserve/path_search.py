@@ -8,37 +8,14 @@ first part can be reserved.
 
 import math
 
-from baselines.policies.reserve.memory.rows import (
-    ADOPTED,
-    AXLES,
-    BODY,
-    CURVATURES,
-    EXPLORED,
-    FAILED,
-    GOAL,
-    KIND,
-    LENGTH_OF,
-    LENGTHS,
-    NUM_RESTLESS,
-    NUM_SLOTS,
-    NUMBER_OF,
-    OWN_CIRCLE,
-    OWN_FRONT,
-    OWN_LENGTHS,
-    OWN_REACH,
-    OWN_REAR,
-    RESERVED,
-    SEGMENTS,
-    STANDING,
-    TRIAL,
-    WAYPOINTS,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes, states
 from baselines.policies.reserve.memory.shortlist import insert
 from baselines.policies.reserve.perception.other_agents import (
-    apart,
     gap_to,
+    is_any_within,
+    keeps_margin,
     slot_at,
-    someone_within,
 )
 from baselines.policies.reserve.prediction.candidates import (
     DIRECT,
@@ -49,7 +26,7 @@ from baselines.policies.reserve.prediction.candidates import (
 from baselines.policies.reserve.prediction.chain import (
     include_axles,
     keeps_clear_of,
-    nose_swept,
+    nose_keeps_clear,
     place_axles,
     pull_axles,
 )
@@ -69,7 +46,7 @@ MANY_FAILURES = 20
 
 @rare_kernel
 def search(policy, rows, x, y, heading, purpose, margin):
-    """Look for a path to a pose [m, rad] and reserve its first part; it is left in ``TRIAL``.
+    """Look for a path to a pose [m, rad] and reserve its first part; it is left in ``TRIAL_PATH``.
 
     Args:
         purpose: GOAL when it is the goal's, or PLACE.
@@ -79,25 +56,25 @@ def search(policy, rows, x, y, heading, purpose, margin):
         Whether one was found and reserved.
     """
     count = 0
-    for number in range(DIRECT + (WAYPOINTS if purpose == GOAL else 0)):
+    for number in range(DIRECT + (sizes.WAYPOINTS if purpose == states.GOAL_PATH else 0)):
         write_candidate(rows, number, x, y, heading)
-        total = total_length(rows, TRIAL)
-        if rows[TRIAL + SEGMENTS] > 0.0 and total < INFEASIBLE:
+        total = total_length(rows, m.TRIAL_PATH)
+        if rows[m.TRIAL_PATH + m.NUM_SEGMENTS] > 0.0 and total < INFEASIBLE:
             count = insert(rows, count, total, number)
     if count == 0:
         return False
-    patience = policy.patience * (1.0 + 0.2 * rows[FAILED])
-    longest = 1.2 * rows[LENGTH_OF] + patience
-    front = rows[OWN_FRONT]
+    patience = policy.patience * (1.0 + 0.2 * rows[m.FAILED])
+    longest = 1.2 * rows[m.LISTED_LENGTHS] + patience
+    front = rows[m.OWN_FRONT_RADIUS]
     for k in range(count):
-        if rows[LENGTH_OF + k] > longest:
+        if rows[m.LISTED_LENGTHS + k] > longest:
             break
-        number = int(rows[NUMBER_OF + k])
+        number = int(rows[m.LISTED_NUMBERS + k])
         write_candidate(rows, number, x, y, heading)
         horizon = policy.horizon * front
-        if not stands_test(policy, rows, TRIAL, 0.0, purpose, horizon, margin):
+        if not is_drivable(policy, rows, m.TRIAL_PATH, 0.0, purpose, horizon, margin):
             continue
-        if reserve_next(policy, rows, TRIAL, 0.0, 0.0, purpose, 0.5 * margin):
+        if reserve_next(policy, rows, m.TRIAL_PATH, 0.0, 0.0, purpose, 0.5 * margin):
             return True
     return False
 
@@ -105,14 +82,14 @@ def search(policy, rows, x, y, heading, purpose, margin):
 @rare_kernel
 def search_in_order(policy, rows, x, y, heading, margin):
     """Go on through all sequences of arcs and straights, as ``search``; it takes many calls."""
-    horizon = policy.horizon * rows[OWN_FRONT]
+    horizon = policy.horizon * rows[m.OWN_FRONT_RADIUS]
     for _ in range(_SEQUENCES_AT_ONCE):
-        number = int(rows[EXPLORED])
-        rows[EXPLORED] = (number + 1) % SEQUENCES
+        number = int(rows[m.EXPLORED])
+        rows[m.EXPLORED] = (number + 1) % SEQUENCES
         write_sequence(rows, number, x, y, heading)
-        if stands_test(policy, rows, TRIAL, 0.0, GOAL, horizon, margin) and reserve_next(
-            policy, rows, TRIAL, 0.0, 0.0, GOAL, 0.5 * margin
-        ):
+        if is_drivable(
+            policy, rows, m.TRIAL_PATH, 0.0, states.GOAL_PATH, horizon, margin
+        ) and reserve_next(policy, rows, m.TRIAL_PATH, 0.0, 0.0, states.GOAL_PATH, 0.5 * margin):
             return True
     return False
 
@@ -123,13 +100,13 @@ def rest_is_near(rows, rest):
 
     After some paths in vain it may be any, if all who are near are at their goals.
     """
-    near = 3.0 * rows[OWN_CIRCLE] + rows[OWN_LENGTHS]
-    in_vain = (rows[ADOPTED] > _MANY_PATHS) | (rows[FAILED] > MANY_FAILURES)
-    return (rest <= near) | ((rows[NUM_RESTLESS] == 0.0) & in_vain)
+    near = 3.0 * rows[m.OWN_CIRCLE_RADIUS] + rows[m.OWN_LENGTHS]
+    in_vain = (rows[m.ADOPTED] > _MANY_PATHS) | (rows[m.FAILED] > MANY_FAILURES)
+    return (rest <= near) | ((rows[m.NUM_UNARRIVED] == 0.0) & in_vain)
 
 
 @rare_kernel
-def stands_test(policy, rows, path, done, purpose, horizon, margin):
+def is_drivable(policy, rows, path, done, purpose, horizon, margin):
     """Tell whether the HAV can drive along a path, in coarse steps, past all others.
 
     Args:
@@ -138,16 +115,16 @@ def stands_test(policy, rows, path, done, purpose, horizon, margin):
         horizon: how far ahead what others have reserved counts [m].
         margin: to be kept [m].
     """
-    coarse = min(2.0, 0.25 * rows[OWN_CIRCLE])
-    rear, front = rows[OWN_REAR], rows[OWN_FRONT]
-    reach = rows[OWN_REACH]
+    coarse = min(2.0, 0.25 * rows[m.OWN_CIRCLE_RADIUS])
+    rear, front = rows[m.OWN_REAR_RADIUS], rows[m.OWN_FRONT_RADIUS]
+    reach = rows[m.OWN_REACH]
     extent = max(reach, rear + front) + margin + 2.0
     rest = total_length(rows, path) - done
     sense_chain(rows)
     place_axles(rows, 0.0, 0.0)
     x, y, heading, driven = 0.0, 0.0, 0.0, 0.0
-    for segment in range(int(rows[path + SEGMENTS])):
-        curvature, length = rows[path + CURVATURES + segment], rows[path + LENGTHS + segment]
+    for segment in range(int(rows[path + m.NUM_SEGMENTS])):
+        curvature, length = rows[path + m.CURVATURES + segment], rows[path + m.LENGTHS + segment]
         skipped = min(done, length)
         done, length = done - skipped, length - skipped
         if length <= 0.0:
@@ -158,21 +135,21 @@ def stands_test(policy, rows, path, done, purpose, horizon, margin):
         sine, cosine = sincos(half)
         chord = along if half == 0.0 else along * sine / half
         for _ in range(steps):
-            nose_x, nose_y = rows[AXLES], rows[AXLES + 1]
+            nose_x, nose_y = rows[m.AXLES], rows[m.AXLES + 1]
             sine, cosine = sincos(heading + half)
             x, y = x + chord * cosine, y + chord * sine
             heading, driven = heading + 2.0 * half, driven + along
             sine, cosine = sincos(heading)
             pull_axles(rows, x, y, cosine, sine)
-            if not someone_within(rows, x, y, extent):
+            if not is_any_within(rows, x, y, extent):
                 continue
             if not _passes_standing(rows, nose_x, nose_y, margin):
                 return False
             if driven > horizon:
                 continue
-            if not apart(rows, BODY, RESERVED, margin):
+            if not keeps_margin(rows, m.BODY_OUTLINE, states.RESERVED, margin):
                 return False
-            if purpose == GOAL and rest_is_near(rows, rest - driven):
+            if purpose == states.GOAL_PATH and rest_is_near(rows, rest - driven):
                 continue
             side, _ = find_circle(policy, rows, x, y, heading, 2, margin, False)
             if side == 0.0:
@@ -182,13 +159,19 @@ def stands_test(policy, rows, path, done, purpose, horizon, margin):
 
 @rare_kernel
 def _passes_standing(rows, nose_x, nose_y, margin):
-    """Tell whether the axles keep clear of all that stand; write their outline into ``BODY``."""
-    clear_outline(rows, BODY)
-    include_axles(rows, BODY)
-    for number in range(int(rows[NUM_SLOTS])):
+    """Tell whether the axles keep clear of all that stand.
+
+    Their outline is left in ``BODY_OUTLINE``.
+    """
+    clear_outline(rows, m.BODY_OUTLINE)
+    include_axles(rows, m.BODY_OUTLINE)
+    for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
-        if rows[slot + KIND] == STANDING and gap_to(rows, slot, BODY, margin) <= margin + 2.0:
-            if not nose_swept(rows, slot, nose_x, nose_y, margin):
+        if (
+            rows[slot + m.SLOT_KIND] == states.STANDING
+            and gap_to(rows, slot, m.BODY_OUTLINE, margin) <= margin + 2.0
+        ):
+            if not nose_keeps_clear(rows, slot, nose_x, nose_y, margin):
                 return False
             if not keeps_clear_of(rows, slot, margin):
                 return False
@@ -206,7 +189,7 @@ def reserve_next(policy, rows, path, driven, heading, purpose, margin):
     """
     total = total_length(rows, path)
     if (
-        purpose == GOAL
+        purpose == states.GOAL_PATH
         and rest_is_near(rows, total - driven)
         and reserve_rest(policy, rows, path, driven, heading, margin)
     ):
@@ -216,7 +199,7 @@ def reserve_next(policy, rows, path, driven, heading, purpose, margin):
 
 
 @rare_kernel
-def reserve_place(policy, rows, shifts, margin):
+def reserve_circle_here(policy, rows, shifts, margin):
     """Reserve a circle that begins here and now; tell whether that is possible."""
-    rows[TRIAL + SEGMENTS] = 0.0
-    return reserve_circle(policy, rows, TRIAL, 0.0, 0.0, 0.0, shifts, margin)
+    rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
+    return reserve_circle(policy, rows, m.TRIAL_PATH, 0.0, 0.0, 0.0, shifts, margin)

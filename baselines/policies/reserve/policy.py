@@ -3,7 +3,8 @@
 import math
 from typing import NamedTuple
 
-from baselines.policies.reserve.memory.rows import BROADCAST, MOST_TRAILERS, ROWS
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes
 from baselines.policies.reserve.multi_agent import act_among_others
 from baselines.policies.reserve.preconditions import LEAST_MARGIN, check_range, check_step
 from baselines.policies.reserve.single_agent import act_alone
@@ -56,20 +57,20 @@ class Reserve(NamedTuple):
 
 @memory_size.register
 def _(policy: Reserve) -> int:
-    return ROWS
+    return m.ROWS
 
 
 @broadcast_size.register
 def _(policy: Reserve) -> int:
-    return BROADCAST
+    return m.BROADCAST
 
 
 @check_parameters.register
 def _(policy: Reserve, scenario) -> None:
-    if scenario.max_trailers > MOST_TRAILERS:
+    if scenario.max_trailers > sizes.MAX_TRAILERS:
         raise ValueError(
             f"scenario max_trailers is {scenario.max_trailers}, but Reserve drives HAVs with at"
-            f" most {MOST_TRAILERS}"
+            f" most {sizes.MAX_TRAILERS}"
         )
     if not policy.articulation_margin < scenario.articulation_max:
         raise ValueError(

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 LEAST_MARGIN = 0.01  # [m] what is kept of it for a next part is far above rounding
-MOST_STEPS = 100_000  # of two turns of the widest circle: beyond, a decision takes seconds
+MAX_CIRCLE_STEPS = 100_000  # of two turns of the widest circle: beyond, a decision takes seconds
 
 
 class Extremes(NamedTuple):
@@ -67,13 +67,13 @@ def check_step(scenario: Any, policy: Any) -> None:
     bound = scenario.articulation_max - policy.articulation_margin
     bend = math.sin(min(bound, 0.5 * math.pi))
     widest = 1.02 * max(tightest, found.longest * math.sqrt(found.trailers - 1 + 1.0 / bend**2))
-    least = 4.0 * math.pi * widest / MOST_STEPS
+    least = 4.0 * math.pi * widest / MAX_CIRCLE_STEPS
     if not step >= least:
         raise ValueError(
             f"{driven}, but must be at least {least:.3g} m: Reserve predicts every step of two"
             f" turns of a circle of radius {widest:.4g} m, which steering_max"
             f" {found.steering_max:g} rad, {found.trailers} trailers and lengths up to"
-            f" {found.longest:g} m ask for, and at most {MOST_STEPS:,} steps"
+            f" {found.longest:g} m ask for, and at most {MAX_CIRCLE_STEPS:,} steps"
         )
 
 

@@ -10,27 +10,10 @@ Reserved is what keeps a margin from everything that others have reserved, and f
 stand; by the same prediction where their outlines are too coarse to tell.
 """
 
-from baselines.policies.reserve.memory.rows import (
-    AFTER,
-    BEFORE,
-    BODY,
-    END,
-    HELD,
-    MODE,
-    OUTLINE,
-    OWN_BOUND,
-    OWN_SAG,
-    OWN_STEP,
-    PREFERRED,
-    RADIUS,
-    RESERVED,
-    SHIFT,
-    SIDE,
-    STANDING,
-    TRY,
-)
-from baselines.policies.reserve.perception.other_agents import apart, extent_of, is_overseen
-from baselines.policies.reserve.perception.own_state import goal_seen, is_due
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import states
+from baselines.policies.reserve.perception.other_agents import extent_of, is_covered, keeps_margin
+from baselines.policies.reserve.perception.own_state import is_due, sensed_goal
 from baselines.policies.reserve.prediction.chain import (
     include_axles,
     keeps_clear,
@@ -49,8 +32,8 @@ ROUNDING = 1e-6  # [m] that a path may be longer than its end says
 
 
 @rare_kernel
-def sweep(policy, rows, path, driven, heading, end, stop, margin):
-    """Predict the next part of a path; write its outline into ``TRY``, the last chain and axles.
+def predict_part(policy, rows, path, driven, heading, end, stop, margin):
+    """Predict the next part of a path, and write its outline into ``TRIAL_OUTLINE``.
 
     Args:
         path: where it stands; driven: how much of it is done [m].
@@ -64,14 +47,14 @@ def sweep(policy, rows, path, driven, heading, end, stop, margin):
     Returns:
         Whether all went well, x, y [m], heading [rad] in the own frame, and driven [m].
     """
-    goal_x, goal_y, goal_heading = goal_seen(rows)
-    bound = rows[OWN_BOUND]
-    distance = rows[OWN_STEP]
+    goal_x, goal_y, goal_heading = sensed_goal(rows)
+    bound = rows[m.OWN_LEAST_COSINE]
+    distance = rows[m.OWN_STEP]
     total = total_length(rows, path)
     sense_chain(rows)
     place_axles(rows, 0.0, 0.0)
-    clear_outline(rows, TRY)
-    include_axles(rows, TRY)
+    clear_outline(rows, m.TRIAL_OUTLINE)
+    include_axles(rows, m.TRIAL_OUTLINE)
     x, y, turned, least = 0.0, 0.0, 0.0, 1.0
     while stop or driven + distance <= end + ROUNDING:
         if driven > total:
@@ -83,12 +66,12 @@ def sweep(policy, rows, path, driven, heading, end, stop, margin):
         if least < bound:
             return False, x, y, turned, driven
         move_axles(rows, x, y)
-        include_axles(rows, TRY)
+        include_axles(rows, m.TRIAL_OUTLINE)
         if margin >= 0.0 and not keeps_clear(rows, margin):
             return False, x, y, turned, driven
         if stop and hits_goal(policy, goal_x - x, goal_y - y, goal_heading - turned, SURELY):
             break
-    widen(rows, TRY, rows[OWN_SAG])
+    widen(rows, m.TRIAL_OUTLINE, rows[m.OWN_SAG])
     return True, x, y, turned, driven
 
 
@@ -97,14 +80,18 @@ def reserve_rest(policy, rows, path, driven, heading, margin):
     """Reserve the rest of a path and the place at its goal; return whether that is possible."""
     if not is_due(rows, policy.turns):
         return False
-    ok, _, _, _, end = sweep(policy, rows, path, driven, heading, 0.0, True, -1.0)
-    if not (ok and is_overseen(rows, TRY, margin) and apart(rows, TRY, RESERVED, margin)):
+    ok, _, _, _, end = predict_part(policy, rows, path, driven, heading, 0.0, True, -1.0)
+    if not (
+        ok
+        and is_covered(rows, m.TRIAL_OUTLINE, margin)
+        and keeps_margin(rows, m.TRIAL_OUTLINE, states.RESERVED, margin)
+    ):
         return False
-    if not apart(rows, TRY, STANDING, margin):
-        ok, _, _, _, end = sweep(policy, rows, path, driven, heading, 0.0, True, margin)
+    if not keeps_margin(rows, m.TRIAL_OUTLINE, states.STANDING, margin):
+        ok, _, _, _, end = predict_part(policy, rows, path, driven, heading, 0.0, True, margin)
         if not ok:
             return False
-    _write(rows, end, 0.0, 0.0)
+    _commit(rows, end, 0.0, 0.0)
     return True
 
 
@@ -113,34 +100,49 @@ def reserve_circle(policy, rows, path, driven, heading, end, shifts, margin):
     """Reserve a path up to ``end`` [m] and a circle behind it; return whether that is possible.
 
     Args:
-        shifts: as in ``find_circle``; others: as in ``sweep``.
+        shifts: as in ``find_circle``; others: as in ``predict_part``.
     """
     if not is_due(rows, policy.turns):
         return False
-    ok, x, y, turned, _ = sweep(policy, rows, path, driven, heading, end, False, -1.0)
-    if not ok or not apart(rows, TRY, RESERVED, margin):
+    ok, x, y, turned, _ = predict_part(policy, rows, path, driven, heading, end, False, -1.0)
+    if not ok or not keeps_margin(rows, m.TRIAL_OUTLINE, states.RESERVED, margin):
         return False
     for side in range(SIDES):
-        rows[BODY + side] = rows[TRY + side]
-    if not apart(rows, BODY, STANDING, margin):
-        ok, x, y, turned, _ = sweep(policy, rows, path, driven, heading, end, False, margin)
+        rows[m.BODY_OUTLINE + side] = rows[m.TRIAL_OUTLINE + side]
+    if not keeps_margin(rows, m.BODY_OUTLINE, states.STANDING, margin):
+        ok, x, y, turned, _ = predict_part(policy, rows, path, driven, heading, end, False, margin)
         if not ok:
             return False
     side, shift = find_circle(policy, rows, x, y, turned, shifts, margin, True)
     if side == 0.0:
         return False
-    _write(rows, end, side, shift)
+    _commit(rows, end, side, shift)
     return True
 
 
 @kernel
-def _write(rows, end, side, shift):
-    """Broadcast ``TRY`` as what is reserved, in the truck's frame as it is now."""
+def _commit(rows, end, side, shift):
+    """Broadcast ``TRIAL_OUTLINE`` as what is reserved, in the truck's frame as it is now."""
     for number in range(SIDES):
-        rows[OUTLINE + number] = rows[TRY + number]
-    rows[RADIUS], rows[MODE] = extent_of(rows, OUTLINE), RESERVED
-    rows[BEFORE], rows[BEFORE + 1], rows[BEFORE + 2], rows[BEFORE + 3] = 0.0, 0.0, 1.0, 0.0
-    rows[AFTER], rows[AFTER + 1], rows[AFTER + 2], rows[AFTER + 3] = 0.0, 0.0, 1.0, 0.0
-    rows[END], rows[SIDE], rows[SHIFT], rows[HELD] = end, side, shift, 1.0
+        rows[m.OUTLINE + number] = rows[m.TRIAL_OUTLINE + number]
+    rows[m.OUTLINE_RADIUS], rows[m.MODE] = extent_of(rows, m.OUTLINE), states.RESERVED
+    (
+        rows[m.FRAME_BEFORE],
+        rows[m.FRAME_BEFORE + 1],
+        rows[m.FRAME_BEFORE + 2],
+        rows[m.FRAME_BEFORE + 3],
+    ) = 0.0, 0.0, 1.0, 0.0
+    (
+        rows[m.FRAME_AFTER],
+        rows[m.FRAME_AFTER + 1],
+        rows[m.FRAME_AFTER + 2],
+        rows[m.FRAME_AFTER + 3],
+    ) = 0.0, 0.0, 1.0, 0.0
+    rows[m.PART_END], rows[m.CIRCLE_SIDE], rows[m.CIRCLE_SHIFT], rows[m.HELD] = (
+        end,
+        side,
+        shift,
+        1.0,
+    )
     if side != 0.0:
-        rows[PREFERRED] = side
+        rows[m.PREFERRED_SIDE] = side

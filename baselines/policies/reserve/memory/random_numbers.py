@@ -4,7 +4,7 @@ Streams do not overlap, whatever the number of HAVs. Within a stream every step 
 own; they come again only when their number passes 2**32.
 """
 
-from baselines.policies.reserve.memory.rows import OWN_DICE, OWN_NUMBER
+from baselines.policies.reserve.memory import rows as m
 from hav_env.compiled import kernel
 
 PLANS, PLACES, NOISE = range(3)  # purposes: where to aim, by way of which places, what is sensed
@@ -12,7 +12,7 @@ _PURPOSES = 3
 
 
 @kernel
-def dice(rows, purpose, draws):
+def random_key(rows, purpose, draws):
     """Return what the random numbers of a purpose depend on in this step.
 
     Args:
@@ -24,5 +24,10 @@ def dice(rows, purpose, draws):
         Seed, episode, stream and the first draw of the step.
     """
     # stream 0 is the scenario's
-    stream = _PURPOSES * int(rows[OWN_NUMBER]) + purpose + 1
-    return int(rows[OWN_DICE]), int(rows[OWN_DICE + 1]), stream, draws * int(rows[OWN_DICE + 2])
+    stream = _PURPOSES * int(rows[m.OWN_NUMBER]) + purpose + 1
+    return (
+        int(rows[m.OWN_RANDOM_KEY]),
+        int(rows[m.OWN_RANDOM_KEY + 1]),
+        stream,
+        draws * int(rows[m.OWN_RANDOM_KEY + 2]),
+    )

@@ -8,15 +8,9 @@ its pieces, or longer than its sequences.
 
 import math
 
-from baselines.policies.reserve.memory.random_numbers import PLACES, dice
-from baselines.policies.reserve.memory.rows import (
-    OWN_CIRCLE,
-    OWN_FOOTPRINT,
-    OWN_FRONT,
-    SEGMENTS,
-    TRIAL,
-    WAYPOINTS,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes
+from baselines.policies.reserve.memory.random_numbers import PLACES, random_key
 from baselines.policies.reserve.prediction.paths import append
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.dubins import INFEASIBLE, RLR, shortest_path, turns, word_segments
@@ -33,9 +27,9 @@ SEQUENCES = 3 * (3 ** (_PIECES + 1) - 1) // 2
 
 @rare_kernel
 def write_candidate(rows, number, x, y, heading):
-    """Write one candidate into ``TRIAL``: empty when there is none."""
-    rows[TRIAL + SEGMENTS] = 0.0
-    radius = rows[OWN_CIRCLE]
+    """Write one candidate into ``TRIAL_PATH``: empty when there is none."""
+    rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
+    radius = rows[m.OWN_CIRCLE_RADIUS]
     if number < DIRECT:
         word, size = number % 6, number // 6
         radius *= 1.0 if size == 0 else (1.5 if size == 1 else 2.5)
@@ -43,12 +37,12 @@ def write_candidate(rows, number, x, y, heading):
         if first < INFEASIBLE:
             _append_word(rows, word, radius * first, radius * middle, radius * last, radius)
         return
-    seed, episode, stream, draw = dice(rows, PLACES, _DRAWS * WAYPOINTS)
+    seed, episode, stream, draw = random_key(rows, PLACES, _DRAWS * sizes.WAYPOINTS)
     draw += _DRAWS * (number - DIRECT)
-    front = rows[OWN_FRONT]
+    front = rows[m.OWN_FRONT_RADIUS]
     share = uniform(seed, episode, stream, draw)
     distance = math.sqrt(x * x + y * y)
-    spread = (rows[OWN_FOOTPRINT] + 2.0 * front + 0.3 * distance) * uniform(
+    spread = (rows[m.OWN_FOOTPRINT] + 2.0 * front + 0.3 * distance) * uniform(
         seed, episode, stream, draw + 1
     )
     if number % 4 == 0:  # near the goal
@@ -67,21 +61,21 @@ def write_candidate(rows, number, x, y, heading):
 @kernel
 def _append_word(rows, word, first, middle, last, radius):
     sides = turns(word)
-    append(rows, TRIAL, sides[0] / radius, first)
-    append(rows, TRIAL, sides[1] / radius if word >= RLR else 0.0, middle)
-    append(rows, TRIAL, sides[2] / radius, last)
+    append(rows, m.TRIAL_PATH, sides[0] / radius, first)
+    append(rows, m.TRIAL_PATH, sides[1] / radius if word >= RLR else 0.0, middle)
+    append(rows, m.TRIAL_PATH, sides[2] / radius, last)
 
 
 @rare_kernel
 def write_sequence(rows, number, x, y, heading):
-    """Write a sequence of arcs and straights, and the shortest path from its end, into ``TRIAL``.
+    """Write a sequence of pieces, and the shortest path from its end, into ``TRIAL_PATH``.
 
     Args:
         number: below ``SEQUENCES``: short sequences come first, each with pieces of three lengths.
         x, y, heading: where the path is to end [m, rad].
     """
-    rows[TRIAL + SEGMENTS] = 0.0
-    radius = rows[OWN_CIRCLE]
+    rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
+    radius = rows[m.OWN_CIRCLE_RADIUS]
     size = number % 3
     length = radius * (0.4 if size == 0 else (0.8 if size == 1 else 1.6))
     rest = number // 3
@@ -89,7 +83,7 @@ def write_sequence(rows, number, x, y, heading):
     while rest > 0:
         side = (rest - 1) % 3 - 1.0
         rest = (rest - 1) // 3
-        append(rows, TRIAL, side / radius, length)
+        append(rows, m.TRIAL_PATH, side / radius, length)
         half = 0.5 * side * length / radius
         sine, cosine = sincos(half)
         chord = length if side == 0.0 else length * sine / half

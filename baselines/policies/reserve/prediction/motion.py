@@ -4,19 +4,7 @@ The chain stands in a HAV's memory as cosine and sine of every unit's heading, i
 truck has when the prediction begins.
 """
 
-from baselines.policies.reserve.memory.rows import (
-    CHAIN,
-    DRIVEN,
-    GOAL_HEADING,
-    OWN_GOAL,
-    OWN_JOINTS,
-    OWN_LENGTHS,
-    OWN_STEEPEST,
-    OWN_STEP,
-    OWN_TRAILERS,
-    OWN_WINDOW,
-    PATH,
-)
+from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.prediction.paths import heading_at
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import atan2, sincos
@@ -27,11 +15,11 @@ from hav_env.maths.geometry import clip, into_frame, wrap
 def sense_chain(rows):
     """Write the own chain as it is now, the truck heading forward."""
     cosine, sine = 1.0, 0.0
-    rows[CHAIN], rows[CHAIN + 1] = cosine, sine
-    for joint in range(1, int(rows[OWN_TRAILERS]) + 1):
-        c, s = rows[OWN_JOINTS + 2 * joint - 2], rows[OWN_JOINTS + 2 * joint - 1]
+    rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1] = cosine, sine
+    for joint in range(1, int(rows[m.OWN_TRAILERS]) + 1):
+        c, s = rows[m.OWN_JOINTS + 2 * joint - 2], rows[m.OWN_JOINTS + 2 * joint - 1]
         cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-        rows[CHAIN + 2 * joint], rows[CHAIN + 2 * joint + 1] = cosine, sine
+        rows[m.PREDICTED_CHAIN + 2 * joint], rows[m.PREDICTED_CHAIN + 2 * joint + 1] = cosine, sine
 
 
 @rare_kernel
@@ -48,16 +36,16 @@ def advance_chain(rows, x, y, turn, distance):
         cosines do not tell whole turns apart.
     """
     sine, cosine = sincos(turn)
-    before_cosine, before_sine = rows[CHAIN], rows[CHAIN + 1]
+    before_cosine, before_sine = rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1]
     ahead_cosine = before_cosine * cosine - before_sine * sine
     ahead_sine = before_sine * cosine + before_cosine * sine
-    rows[CHAIN], rows[CHAIN + 1] = ahead_cosine, ahead_sine
+    rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1] = ahead_cosine, ahead_sine
     x, y = x + distance * ahead_cosine, y + distance * ahead_sine
     least = 1.0
-    for unit in range(1, int(rows[OWN_TRAILERS]) + 1):
-        at = CHAIN + 2 * unit
+    for unit in range(1, int(rows[m.OWN_TRAILERS]) + 1):
+        at = m.PREDICTED_CHAIN + 2 * unit
         _, bend = into_frame(rows[at], rows[at + 1], ahead_cosine, ahead_sine)
-        own_turn = -distance * bend / rows[OWN_LENGTHS + unit]
+        own_turn = -distance * bend / rows[m.OWN_LENGTHS + unit]
         sine, cosine = sincos(own_turn)
         own_cosine = rows[at] * cosine - rows[at + 1] * sine
         own_sine = rows[at + 1] * cosine + rows[at] * sine
@@ -65,7 +53,7 @@ def advance_chain(rows, x, y, turn, distance):
         rows[at], rows[at + 1] = own_cosine, own_sine
         ahead_cosine, ahead_sine = own_cosine, own_sine
         distance *= straightness
-        folded = abs(own_turn - turn) >= rows[OWN_WINDOW]
+        folded = abs(own_turn - turn) >= rows[m.OWN_FOLD_TURN]
         least = min(least, -2.0 if folded else straightness)
         turn = own_turn
     return x, y, least
@@ -74,7 +62,7 @@ def advance_chain(rows, x, y, turn, distance):
 @kernel
 def turn_to(rows, wanted, heading, distance):
     """Return the turn [rad] towards a wanted heading that the wheels allow in one step."""
-    most = distance * rows[OWN_STEEPEST] / rows[OWN_LENGTHS]
+    most = distance * rows[m.OWN_STEERING_TANGENT] / rows[m.OWN_LENGTHS]
     return clip(wanted - heading, -most, most)
 
 
@@ -85,19 +73,19 @@ def follow(rows):
     The truck turns first and then moves along its new heading, so the right heading is the
     path's half a step ahead. Where the truck heads is told by where it sees its goal.
     """
-    distance = rows[OWN_STEP]
-    wanted = heading_at(rows, PATH, rows[DRIVEN] + 0.5 * distance)
+    distance = rows[m.OWN_STEP]
+    wanted = heading_at(rows, m.CURRENT_PATH, rows[m.DRIVEN] + 0.5 * distance)
     return turn_to(rows, wrap(wanted - path_heading(rows)), 0.0, distance), distance
 
 
 @kernel
 def path_heading(rows):
     """Return the truck's heading [rad] less the one with which the path starts, by whole turns."""
-    return rows[GOAL_HEADING] - rows[OWN_GOAL + 2]
+    return rows[m.PLANNED_GOAL_HEADING] - rows[m.OWN_GOAL + 2]
 
 
 @kernel
 def command(policy, rows, turn, distance):
     """Return speed [m/s] and steering [rad] of a step."""
-    steering = atan2(turn * rows[OWN_LENGTHS], distance) if distance > 0.0 else 0.0
+    steering = atan2(turn * rows[m.OWN_LENGTHS], distance) if distance > 0.0 else 0.0
     return distance / policy.dt, steering

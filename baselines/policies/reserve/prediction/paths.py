@@ -5,7 +5,8 @@ A path stands in a HAV's memory as segments: curvature [1/m], left positive, and
 
 import math
 
-from baselines.policies.reserve.memory.rows import CURVATURES, LENGTHS, MOST_SEGMENTS, SEGMENTS
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.dubins import INFEASIBLE, LRL, RLR, word_segments
 from hav_env.maths.elementary import atan2, floor
@@ -58,19 +59,19 @@ def circles_path(side, x, y, heading, radius):
 @kernel
 def append(rows, path, curvature, length):
     """Append a segment to a path; one without length is left out."""
-    count = int(rows[path + SEGMENTS])
+    count = int(rows[path + m.NUM_SEGMENTS])
     if length > 0.0:
-        rows[path + CURVATURES + count] = curvature
-        rows[path + LENGTHS + count] = length
-        rows[path + SEGMENTS] = count + 1.0
+        rows[path + m.CURVATURES + count] = curvature
+        rows[path + m.LENGTHS + count] = length
+        rows[path + m.NUM_SEGMENTS] = count + 1.0
 
 
 @kernel
 def total_length(rows, path):
     """Return the length of a path [m]."""
     total = 0.0
-    for segment in range(int(rows[path + SEGMENTS])):
-        total += rows[path + LENGTHS + segment]
+    for segment in range(int(rows[path + m.NUM_SEGMENTS])):
+        total += rows[path + m.LENGTHS + segment]
     return total
 
 
@@ -78,11 +79,11 @@ def total_length(rows, path):
 def heading_at(rows, path, distance):
     """Return the heading [rad] of a path after a distance [m], less the one it starts with."""
     heading = 0.0
-    for segment in range(int(rows[path + SEGMENTS])):
+    for segment in range(int(rows[path + m.NUM_SEGMENTS])):
         if distance <= 0.0:
             break
-        along = min(distance, rows[path + LENGTHS + segment])
-        heading += rows[path + CURVATURES + segment] * along
+        along = min(distance, rows[path + m.LENGTHS + segment])
+        heading += rows[path + m.CURVATURES + segment] * along
         distance -= along
     return heading
 
@@ -90,5 +91,5 @@ def heading_at(rows, path, distance):
 @kernel
 def copy_path(rows, path, source):
     """Write a path over another one."""
-    for row in range(LENGTHS + MOST_SEGMENTS):
+    for row in range(m.LENGTHS + sizes.MAX_SEGMENTS):
         rows[path + row] = rows[source + row]
