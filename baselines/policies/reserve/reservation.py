@@ -1,13 +1,14 @@
-"""What a HAV reserves: an outline of all that it may occupy from now on, until it reserves anew.
+"""What a HAV reserves: an outline of all that it may occupy until it reserves anew.
 
-It reserves the next part of its path, and either a circle to drive on for ever behind it, or the
-rest of the path and the place where it stops at its goal. The part of the path is predicted step by
-step as the simulation will move the HAV, and every axle of every step is in the outline. Of the
-circle, the outline holds the disc that the truck's front axle drives round: an axle that is pulled
-moves towards the one ahead, so nothing leaves the convex hull of chain and disc.
+A HAV reserves either the next part of its path and a circle behind that, or the rest of the path
+and the place where it stops at its goal. It can drive on the circle without end.
 
-Reserved is what keeps a margin from everything that others have reserved, and from those who
-stand; by the same prediction where their outlines are too coarse to tell.
+The HAV predicts the part step by step, as the simulation will move it. The outline holds every axle
+of every step. Of the circle, the outline holds the disc of the truck's front axle. An axle that is
+pulled moves towards the one ahead, so nothing leaves the convex hull of chain and disc.
+
+An outline keeps a margin from the outlines of all others. It also keeps a margin from each HAV that
+stands, or else every predicted step does.
 """
 
 from baselines.policies.reserve.memory import rows as m
@@ -28,24 +29,29 @@ from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import wrap
 from hav_env.maths.kdop import SIDES, clear_outline, widen
 
-ROUNDING = 1e-6  # [m] that a path may be longer than its end says
+PATH_ROUNDING = 1e-6  # [m] that a step may lead beyond the end of the reserved part
 
 
 @rare_kernel
 def predict_part(policy, rows, path, driven, heading, end, stop, margin):
     """Predict the next part of a path, and write its outline into ``TRIAL_OUTLINE``.
 
-    Args:
-        path: where it stands; driven: how much of it is done [m].
-        heading: of the truck less that of the path's start [rad], by whole turns.
-        end: up to where [m]; stop: whether to go on to the goal instead.
-        margin: to be kept from those that stand and are close [m]; negative: do not look.
+    The outline is wider than the convex hull of all axles by the sag. So it holds the chain between
+    the steps too. The predicted chain and its axles are left as they are at the end.
 
-    The outline is wider than the axles need by what they may leave the straight ways from step to
-    step, so it holds the chain between steps too.
+    Args:
+        policy: The Reserve.
+        rows: The HAV's memory.
+        path: First row of the path.
+        driven: Distance driven along it [m].
+        heading: Truck's heading less that of the path's start [rad], up to whole turns.
+        end: Distance along the path at which the part ends [m].
+        stop: Whether the part ends at the goal instead.
+        margin: Margin to those that stand and are close [m]. They do not count if it is negative.
 
     Returns:
-        Whether all went well, x, y [m], heading [rad] in the own frame, and driven [m].
+        Whether the part can be driven, then x [m], y [m] and heading [rad] at its end in the own
+        frame, and the distance along the path there [m].
     """
     goal_x, goal_y, goal_heading = sensed_goal(rows)
     bound = rows[m.OWN_LEAST_COSINE]
@@ -56,7 +62,7 @@ def predict_part(policy, rows, path, driven, heading, end, stop, margin):
     clear_outline(rows, m.TRIAL_OUTLINE)
     include_axles(rows, m.TRIAL_OUTLINE)
     x, y, turned, least = 0.0, 0.0, 0.0, 1.0
-    while stop or driven + distance <= end + ROUNDING:
+    while stop or driven + distance <= end + PATH_ROUNDING:
         if driven > total:
             return False, x, y, turned, driven
         wanted = heading_at(rows, path, driven + 0.5 * distance)
@@ -77,7 +83,19 @@ def predict_part(policy, rows, path, driven, heading, end, stop, margin):
 
 @rare_kernel
 def reserve_rest(policy, rows, path, driven, heading, margin):
-    """Reserve the rest of a path and the place at its goal; return whether that is possible."""
+    """Reserve the rest of a path to its goal, where the HAV stops.
+
+    Args:
+        policy: The Reserve.
+        rows: The HAV's memory.
+        path: First row of the path.
+        driven: Distance driven along it [m].
+        heading: Truck's heading less that of the path's start [rad], up to whole turns.
+        margin: Margin to all others [m].
+
+    Returns:
+        Whether that is possible.
+    """
     if not is_due(rows, policy.turns):
         return False
     ok, _, _, _, end = predict_part(policy, rows, path, driven, heading, 0.0, True, -1.0)
@@ -97,10 +115,20 @@ def reserve_rest(policy, rows, path, driven, heading, margin):
 
 @rare_kernel
 def reserve_circle(policy, rows, path, driven, heading, end, shifts, margin):
-    """Reserve a path up to ``end`` [m] and a circle behind it; return whether that is possible.
+    """Reserve a path up to ``end`` and a circle behind it.
 
     Args:
-        shifts: as in ``find_circle``; others: as in ``predict_part``.
+        policy: The Reserve.
+        rows: The HAV's memory.
+        path: First row of the path.
+        driven: Distance driven along it [m].
+        heading: Truck's heading less that of the path's start [rad], up to whole turns.
+        end: Distance along the path at which the part ends [m].
+        shifts: Number of straight distances before the circle to try, as in ``find_circle``.
+        margin: Margin to all others [m].
+
+    Returns:
+        Whether that is possible.
     """
     if not is_due(rows, policy.turns):
         return False
@@ -122,7 +150,7 @@ def reserve_circle(policy, rows, path, driven, heading, end, shifts, margin):
 
 @kernel
 def _commit(rows, end, side, shift):
-    """Broadcast ``TRIAL_OUTLINE`` as what is reserved, in the truck's frame as it is now."""
+    """Reserve and broadcast ``TRIAL_OUTLINE``, in the truck's frame as it is now."""
     for number in range(SIDES):
         rows[m.OUTLINE + number] = rows[m.TRIAL_OUTLINE + number]
     rows[m.OUTLINE_RADIUS], rows[m.MODE] = extent_of(rows, m.OUTLINE), states.RESERVED

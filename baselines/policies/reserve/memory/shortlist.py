@@ -1,4 +1,4 @@
-"""The shortest candidates, sorted by length."""
+"""A list of the shortest candidates, sorted by length."""
 
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes
@@ -7,10 +7,16 @@ from hav_env.compiled import kernel
 
 @kernel
 def insert(rows, count, total, number):
-    """Insert a candidate of some length [m] into the list; the longest falls out of a full one.
+    """Insert a candidate into the list. A full list drops its longest one.
+
+    Args:
+        rows: The HAV's memory.
+        count: Number of candidates in the list.
+        total: Length of the candidate [m].
+        number: Number of the candidate.
 
     Returns:
-        How many there are then.
+        The number of candidates in the list afterwards.
     """
     place = count
     if count == sizes.SHORTLIST_SIZE:

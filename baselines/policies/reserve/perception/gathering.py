@@ -1,10 +1,10 @@
-"""Who is near a HAV under Reserve, and what of them it senses and hears: a slot for each.
+"""What a HAV under Reserve senses and hears of the others near it, written into slots.
 
-However many there are, the nearest get slots, and the HAV knows how far round it that is all.
+The nearest others get a slot each. The HAV also writes the radius within which nobody else is.
 
-What an other one reserved is an outline in a frame of its own; it is heard where that frame is from
-that one's truck, before its last step and after it, and sensed where the truck is. Who reserved
-nothing stands where it is.
+Another HAV broadcasts its outline, and the outline's frame as seen from its truck before and after
+its last step. The HAV senses where that truck is, and so where the frame is. A HAV that has
+reserved nothing stands where it is sensed.
 """
 
 import math
@@ -34,14 +34,14 @@ from hav_env.world.sensing import (
     num_neighbors,
 )
 
-_DRAWS = 3  # random numbers of the noise on one neighbour
+_DRAWS_PER_NEIGHBOR = 3  # of the noise: direction and distance of the position, and heading
 
 
 @rare_kernel
 def gather(policy, rows, memory, world, agent, lane, radius):
-    """Take note of the others that may be within a radius [m] round the own truck.
+    """Write the others that may be within a radius [m] round the own truck into slots.
 
-    The nearest get slots; ``COVERED_RADIUS`` tells how far round the truck nobody else reaches.
+    The nearest get slots. ``COVERED_RADIUS`` is the radius within which nobody else is.
     """
     rows[m.NUM_SLOTS], rows[m.NUM_UNARRIVED], rows[m.NEWCOMERS] = 0.0, 0.0, 0.0
     rows[m.COVERED_RADIUS] = radius
@@ -62,7 +62,7 @@ def gather(policy, rows, memory, world, agent, lane, radius):
 
 @rare_kernel
 def _frame_row(policy, memory, world, agent, k, lane):
-    """Return the row of a neighbour's frame that fits where it is sensed, -1 if it stands."""
+    """Return the row of a neighbour's frame that fits its sensed pose, -1 if it stands."""
     stamp = heard(memory, world, agent, k, m.STAMP, lane) if policy.broadcast else 0.0
     _, _, now = episode_key(world, lane)
     reserved = (heard(memory, world, agent, k, m.MODE, lane) == states.RESERVED) | (
@@ -72,14 +72,15 @@ def _frame_row(policy, memory, world, agent, k, lane):
         (stamp > 0.0) & reserved & (heard(memory, world, agent, k, m.OUTLINE_RADIUS, lane) > 0.0)
     ):
         return -1
-    # one that has just decided is sensed where it was before, and so is one that then stood instead
+    # A neighbour that has just decided is sensed where it was before that step.
+    # So is one that decided in the last step and then stood.
     stood = neighbor_speed(world, agent, k, lane) == 0.0
     return m.FRAME_BEFORE if stamp == now + 1.0 or (stamp == now and stood) else m.FRAME_AFTER
 
 
 @rare_kernel
 def _radius_of(policy, memory, world, agent, k, lane):
-    """Return the radius [m] round a neighbour's truck that holds it and what it has reserved."""
+    """Return the radius [m] round a neighbour's truck that holds it and its outline."""
     frame = _frame_row(policy, memory, world, agent, k, lane)
     if frame < 0:
         length = neighbor_length(world, agent, k, 0, lane)
@@ -91,13 +92,13 @@ def _radius_of(policy, memory, world, agent, k, lane):
 
 @kernel
 def _position_error(policy, reach):
-    """Return how far off [m] a point may be sensed that is so far [m] from its truck."""
+    """Return the largest sensing error [m] of a point at a distance [m] from its truck."""
     return policy.position_noise + policy.heading_noise * reach
 
 
 @rare_kernel
 def _least_distance(policy, rows, memory, world, agent, k, lane):
-    """Return a lower bound of the distance [m] from the own truck to a neighbour's property."""
+    """Return a lower bound of the distance [m] from the own truck to a neighbour's outline."""
     x, y, _, _ = _sensed_pose(policy, rows, memory, world, agent, k, lane)
     reach = _radius_of(policy, memory, world, agent, k, lane)
     return math.sqrt(x * x + y * y) - reach - _position_error(policy, reach)
@@ -115,21 +116,21 @@ def _write_slot(policy, rows, slot, memory, world, agent, k, lane):
         _write_standing(policy, rows, slot, memory, world, agent, k, lane)
     else:
         _write_reserved(policy, rows, slot, frame, memory, world, agent, k, lane)
-    doubt = _position_error(policy, _radius_of(policy, memory, world, agent, k, lane))
-    rows[slot + m.SLOT_ERROR] = doubt
+    error = _position_error(policy, _radius_of(policy, memory, world, agent, k, lane))
+    rows[slot + m.SLOT_ERROR] = error
     for side in range(SIDES):
-        rows[slot + m.SLOT_OUTLINE + side] += doubt
-        rows[slot + m.SLOT_BROADCAST_OUTLINE + side] += doubt
+        rows[slot + m.SLOT_OUTLINE + side] += error
+        rows[slot + m.SLOT_BROADCAST_OUTLINE + side] += error
 
 
 @rare_kernel
 def _sensed_pose(policy, rows, memory, world, agent, k, lane):
-    """Return the pose of a neighbour's truck: x, y [m], cosine, sine, with the noise asked for."""
+    """Return the pose of a neighbour's truck with noise: x [m], y [m], cosine, sine."""
     x, y = neighbor_position(world, agent, k, lane)
     cosine, sine = neighbor_heading_direction(world, agent, k, lane)
     if policy.position_noise + policy.heading_noise > 0.0:
-        seed, episode, stream, draw = random_key(rows, NOISE, _DRAWS * memory.shape[0])
-        draw += _DRAWS * neighbor_id(world, agent, k, lane)
+        seed, episode, stream, draw = random_key(rows, NOISE, _DRAWS_PER_NEIGHBOR * memory.shape[0])
+        draw += _DRAWS_PER_NEIGHBOR * neighbor_id(world, agent, k, lane)
         off_sine, off_cosine = sincos(TWO_PI * uniform(seed, episode, stream, draw))
         off = policy.position_noise * math.sqrt(uniform(seed, episode, stream, draw + 1))
         x, y = x + off * off_cosine, y + off * off_sine
@@ -144,6 +145,7 @@ def _sensed_pose(policy, rows, memory, world, agent, k, lane):
 
 @rare_kernel
 def _write_reserved(policy, rows, slot, frame, memory, world, agent, k, lane):
+    """Write a neighbour that has reserved an outline into a slot."""
     x, y, cosine, sine = _sensed_pose(policy, rows, memory, world, agent, k, lane)
     fx = heard(memory, world, agent, k, frame, lane)
     fy = heard(memory, world, agent, k, frame + 1, lane)
@@ -172,6 +174,7 @@ def _write_reserved(policy, rows, slot, frame, memory, world, agent, k, lane):
 
 @rare_kernel
 def _write_standing(policy, rows, slot, memory, world, agent, k, lane):
+    """Write a neighbour that stands into a slot: its axles, and their outline."""
     x, y, cosine, sine = _sensed_pose(policy, rows, memory, world, agent, k, lane)
     count = neighbor_trailers(world, agent, k, lane) + 2
     rows[slot + m.SLOT_KIND], rows[slot + m.SLOT_NUM_AXLES] = states.STANDING, count

@@ -1,4 +1,8 @@
-"""The others as a HAV under Reserve takes them, once they are gathered in slots of its memory."""
+"""Distances to the others in a HAV's slots, and the memory of who was near.
+
+A neighbour is *near* if the circles that circumscribe both are less than ``NEAR_GAP`` apart. A
+*newcomer* is near, but was not when the HAV last remembered its neighbourhood.
+"""
 
 import math
 
@@ -16,7 +20,9 @@ from hav_env.world.sensing import (
     num_neighbors,
 )
 
-NEAR_GAP = 30.0  # [m] between what circumscribes both, and what they drive in a step
+NEAR_GAP = 30.0  # [m] between two circumscribing circles: far more than both drive in a step
+_GAIN = 4.0  # [m] that sides of the other outline hardly add to a gap: then they are not tried
+_HASH_SHIFT = 0.123  # makes the hash of one number differ from sums of hashes of others
 
 
 @kernel
@@ -27,13 +33,13 @@ def slot_at(number):
 
 @rare_kernel
 def gap_to(rows, slot, outline, enough):
-    """Return a lower bound of the distance [m] from an own outline to what is in a slot.
+    """Return a lower bound of the distance [m] from an own outline to the outline in a slot.
 
-    Gaps are looked for across the own sides; then, if that may help to have enough [m], across the
-    sides of the other one.
+    It is the largest gap across the own sides. If that is less than ``enough`` [m], but not by
+    much, the gaps across the sides of the other outline count too.
     """
     gap = outline_gap(rows, outline, slot + m.SLOT_OUTLINE)
-    if gap > enough or gap < enough - 4.0 or rows[slot + m.SLOT_KIND] == states.STANDING:
+    if gap > enough or gap < enough - _GAIN or rows[slot + m.SLOT_KIND] == states.STANDING:
         return gap
     x, y = rows[slot + m.SLOT_FRAME], rows[slot + m.SLOT_FRAME + 1]
     cosine, sine = rows[slot + m.SLOT_FRAME + 2], rows[slot + m.SLOT_FRAME + 3]
@@ -44,11 +50,11 @@ def gap_to(rows, slot, outline, enough):
 
 @rare_kernel
 def is_any_within(rows, x, y, radius):
-    """Tell whether the box round what is in a slot comes within a radius [m] of a place."""
+    """Tell whether the bounding box of an outline in a slot is within a radius [m] of (x, y)."""
     for number in range(int(rows[m.NUM_SLOTS])):
-        seen = slot_at(number) + m.SLOT_OUTLINE
-        dx = max(x - rows[seen], -rows[seen + SIDES // 2] - x, 0.0)
-        dy = max(y - rows[seen + SIDES // 4], -rows[seen + 3 * SIDES // 4] - y, 0.0)
+        outline = slot_at(number) + m.SLOT_OUTLINE
+        dx = max(x - rows[outline], -rows[outline + SIDES // 2] - x, 0.0)
+        dy = max(y - rows[outline + SIDES // 4], -rows[outline + 3 * SIDES // 4] - y, 0.0)
         if dx * dx + dy * dy <= radius * radius:
             return True
     return False
@@ -66,13 +72,16 @@ def extent_of(rows, outline):
 
 @kernel
 def is_covered(rows, outline, margin):
-    """Tell whether all who may come within a margin [m] of an outline are in slots."""
+    """Tell whether all who may be within a margin [m] of an outline have slots."""
     return extent_of(rows, outline) + margin <= rows[m.COVERED_RADIUS]
 
 
 @rare_kernel
 def keeps_margin(rows, outline, kind, margin):
-    """Tell whether an outline keeps a margin [m] from all slots of a kind; mark the close ones."""
+    """Tell whether an outline keeps a margin [m] from all slots of a kind.
+
+    Those that stand and are closer than the margin are marked in ``SLOT_CLOSE``.
+    """
     free = True
     for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
@@ -90,9 +99,9 @@ def keeps_margin(rows, outline, kind, margin):
 
 @kernel
 def is_near(rows, world, agent, k, lane):
-    """Tell whether a neighbour is near enough to be noticed when it comes or goes.
+    """Tell whether a neighbour is near, so that the HAV notices when it comes or goes.
 
-    Farther ones, if they are sensed at all, are compared only when something is reserved.
+    The HAV compares its outline with those of farther neighbours only when it reserves.
     """
     x, y = neighbor_position(world, agent, k, lane)
     reach = max(
@@ -104,15 +113,18 @@ def is_near(rows, world, agent, k, lane):
 
 @kernel
 def _hash_of(policy, memory, world, agent, k, lane):
-    """Return a number by whose sum over all it shows, but for coincidence, who of them stands."""
+    """Return the hash of a neighbour's number and state.
+
+    The sum over all neighbours differs, but for coincidence, when one begins to stand or to move.
+    """
     number = neighbor_id(world, agent, k, lane) + 1.0
     mode = heard(memory, world, agent, k, m.MODE, lane) if policy.broadcast else 0.0
-    return number * (number + 0.123) * mode
+    return number * (number + _HASH_SHIFT) * mode
 
 
 @rare_kernel
 def remember_neighborhood(policy, rows, memory, world, agent, lane):
-    """Remember who is near, and who of them stands."""
+    """Remember which neighbours are near, and a hash of their states."""
     count, total = 0, 0.0
     for k in range(num_neighbors(world, agent, lane)):
         if is_near(rows, world, agent, k, lane):
@@ -125,7 +137,7 @@ def remember_neighborhood(policy, rows, memory, world, agent, lane):
 
 @rare_kernel
 def was_near(rows, number):
-    """Tell whether the HAV of this number was near when that was noted."""
+    """Tell whether the HAV of this number was near when the neighbourhood was remembered."""
     for k in range(min(int(rows[m.NUM_NEAR]), sizes.MAX_KNOWN)):
         if rows[m.NEAR_NUMBERS + k] == number:
             return True
@@ -134,16 +146,16 @@ def was_near(rows, number):
 
 @rare_kernel
 def is_newcomer(rows, world, agent, k, lane):
-    """Tell whether a neighbour is near and was not when that was last noted."""
+    """Tell whether a neighbour is near and was not when the neighbourhood was remembered."""
     known = was_near(rows, neighbor_id(world, agent, k, lane))
     return not known and is_near(rows, world, agent, k, lane)
 
 
 @rare_kernel
 def reserved_gap(rows, slot):
-    """Return a lower bound of the distance [m] from what the HAV has reserved to a slot's.
+    """Return a lower bound of the distance [m] from the reserved outline to that in a slot.
 
-    It is found as when the later one of both was reserved, so that it comes out the same.
+    It is computed as when the later one of both outlines was reserved, so the result is the same.
     """
     x, y, cosine, sine = (
         rows[m.FRAME_AFTER],
@@ -174,7 +186,7 @@ def reserved_gap(rows, slot):
 
 @kernel
 def has_neighborhood_changed(policy, rows, memory, world, agent, lane):
-    """Tell whether others are near, or stand, than when this was last noted."""
+    """Tell whether the near neighbours or their states differ from those remembered."""
     count, total = 0, 0.0
     for k in range(num_neighbors(world, agent, lane)):
         if is_near(rows, world, agent, k, lane):

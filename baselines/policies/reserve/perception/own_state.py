@@ -1,12 +1,13 @@
-"""What a HAV senses of itself, written into its rows once a step: everything else thinks in rows.
+"""What a HAV senses of itself, written into its memory once a step.
 
-So what a HAV decides cannot depend on anything that it may not know; and the arrays of the world,
-some forty, are no arguments of the many functions that work it out, which compile faster.
+All other modules read the memory only. So a decision cannot depend on anything that the HAV does
+not know. Besides, their functions compile faster without the forty arrays of a world as arguments.
 """
 
 import math
 
 from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.preconditions import CIRCLE_FACTOR
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI
@@ -24,15 +25,15 @@ from hav_env.world.sensing import (
     unit_length,
 )
 
-_WIDER = 1.02  # the circle for ever is so much wider than what is needed
+_SWING = 1.5  # of step / shortest unit: share by which a trailer may move farther than its pull
 
 
 @kernel
 def sense_itself(policy, rows, world, agent, lane):
-    """Write what changes from step to step; in the first step also what does not.
+    """Write what changes from step to step, and in the first step also what does not change.
 
     Returns:
-        Whether the HAV sees its goal where it saw it in the step before: it has stood.
+        Whether the HAV has stood: it senses its goal where it was in the step before.
     """
     if rows[m.OWN_STEP] == 0.0:
         _sense_body(policy, rows, world, agent, lane)
@@ -74,9 +75,9 @@ def _sense_body(policy, rows, world, agent, lane):
     # R_min of eq. (rmin) counts the truck as well, of which trailers know nothing
     stable = stable_radius(world, agent, lane)
     rows[m.OWN_TRAILER_RADIUS] = math.sqrt(max(stable * stable - truck * truck, 0.0))
-    circle = _WIDER * max(rows[m.OWN_TRAILER_RADIUS], rows[m.OWN_TRUCK_RADIUS])
+    circle = CIRCLE_FACTOR * max(rows[m.OWN_TRAILER_RADIUS], rows[m.OWN_TRUCK_RADIUS])
     squares = 0.0
-    for unit in range(1, trailers + 1):  # on a circle for good, each trailer bends so far
+    for unit in range(1, trailers + 1):  # on an endless circle each articulation has a limit value
         length = rows[m.OWN_LENGTHS + unit]
         circle = max(circle, math.sqrt(squares + length * length / (bend * bend)))
         squares += length * length
@@ -91,7 +92,7 @@ def _sense_body(policy, rows, world, agent, lane):
 
 @rare_kernel
 def _sense_step(rows):
-    """Write how far a step may lead, and how far from the straight ways to where it leads."""
+    """Write the largest distance of a step, and the largest distance from its straight ways."""
     trailers, shortest = int(rows[m.OWN_TRAILERS]), rows[m.OWN_LENGTHS]
     for unit in range(1, trailers + 1):
         shortest = min(shortest, rows[m.OWN_LENGTHS + unit])
@@ -101,14 +102,15 @@ def _sense_step(rows):
 
 @kernel
 def sag(step, steepest, shortest):
-    """Return how far [m] the axles of rolling wheels leave the ways of the simulator's step.
+    """Return how far [m] the axles of rolling wheels may be from their straight ways in a step.
 
-    The simulator turns the truck first and then moves it; wheels do both at once. The proof is in
-    docs/safety.md, between steps.
+    The simulator turns the truck first and then moves it. Wheels do both at once. The equation and
+    its proof are in docs/safety.md under "Between steps".
 
     Args:
-        step: of the truck's rear axle [m]; steepest: tangent of the largest steering angle.
-        shortest: unit [m].
+        step: Distance that the truck's rear axle drives in a step [m].
+        steepest: Tangent of the maximum steering angle.
+        shortest: Length of the shortest unit [m].
     """
     turned = 0.5 * step * step / shortest * max(steepest + 0.25 * steepest * steepest, 1.0)
     return turned + max(step - shortest, 0.0)
@@ -116,13 +118,18 @@ def sag(step, steepest, shortest):
 
 @kernel
 def stride(step, steepest, shortest, trailers):
-    """Return how far [m] an axle moves in a step, at most: the front one, or the last one.
+    """Return the largest distance [m] that an axle moves in a step.
+
+    It is that of the front axle or that of the last one.
 
     Args:
-        step, steepest, shortest: as for ``sag``; trailers: how many.
+        step: Distance that the truck's rear axle drives in a step [m].
+        steepest: Tangent of the maximum steering angle.
+        shortest: Length of the shortest unit [m].
+        trailers: Number of trailers.
     """
     front = math.sqrt(1.0 + steepest * steepest * (1.0 + step / shortest))
-    return step * max(front, 1.0 + 1.5 * trailers * step / shortest)
+    return step * max(front, 1.0 + _SWING * trailers * step / shortest)
 
 
 @rare_kernel
@@ -135,11 +142,14 @@ def sense_joints(rows, world, agent, lane):
 
 @kernel
 def is_due(rows, period):
-    """Tell whether it is the HAV's turn to do what it does once in so many steps."""
+    """Tell whether it is the HAV's turn to do what it does once in ``period`` steps.
+
+    HAVs with consecutive numbers have their turns in consecutive steps.
+    """
     return (int(rows[m.OWN_RANDOM_KEY + 2]) + int(rows[m.OWN_NUMBER])) % period == 0
 
 
 @kernel
 def sensed_goal(rows):
-    """Return the goal under way: forward [m], left [m], heading relative to the truck's [rad]."""
+    """Return the goal: forward [m], left [m], heading relative to the truck's [rad]."""
     return rows[m.OWN_GOAL], rows[m.OWN_GOAL + 1], rows[m.OWN_GOAL + 2]

@@ -1,4 +1,4 @@
-"""Axles of the own chain in thought: where they are, how they are pulled, what they touch."""
+"""Axles of the predicted chain: their places, how they are pulled, and what they touch."""
 
 import math
 
@@ -9,12 +9,14 @@ from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import hull_apart, segments_apart
 from hav_env.maths.kdop import SIDES, include_point
 
-_RIGHT, _TOP, _LEFT, _BOTTOM = 0, SIDES // 4, SIDES // 2, 3 * SIDES // 4
+# The sides of an outline that are those of its bounding box.
+_RIGHT_SIDE, _TOP_SIDE, _LEFT_SIDE, _BOTTOM_SIDE = 0, SIDES // 4, SIDES // 2, 3 * SIDES // 4
+_NUM_CORNERS = 5  # of what a link sweeps: both ends before and after, and one ahead
 
 
 @rare_kernel
 def place_axles(rows, x, y):
-    """Write the axles of the chain whose truck's rear axle is at (x, y) [m]."""
+    """Write the axles of the predicted chain, whose truck's rear axle is at (x, y) [m]."""
     length = rows[m.OWN_LENGTHS]
     rows[m.AXLES], rows[m.AXLES + 1] = (
         x + length * rows[m.PREDICTED_CHAIN],
@@ -30,7 +32,7 @@ def place_axles(rows, x, y):
 
 @rare_kernel
 def move_axles(rows, x, y):
-    """Place the axles after a step, and keep where they were before it."""
+    """Write the axles after a step, and keep those before it in ``PREVIOUS_AXLES``."""
     for row in range(2 * (int(rows[m.OWN_TRAILERS]) + 2)):
         rows[m.PREVIOUS_AXLES + row] = rows[m.AXLES + row]
     place_axles(rows, x, y)
@@ -38,7 +40,7 @@ def move_axles(rows, x, y):
 
 @rare_kernel
 def pull_axles(rows, x, y, cosine, sine):
-    """Move the truck to a pose and let the axles follow like ropes: a coarse step."""
+    """Move the truck to a pose in a coarse step, and pull the axles after it like ropes."""
     length = rows[m.OWN_LENGTHS]
     rows[m.AXLES], rows[m.AXLES + 1] = x + length * cosine, y + length * sine
     rows[m.AXLES + 2], rows[m.AXLES + 3] = x, y
@@ -59,7 +61,7 @@ def include_axles(rows, outline):
 
 @rare_kernel
 def keeps_clear_of(rows, slot, margin):
-    """Tell whether the axles' chain is more than a margin [m] from one that stands."""
+    """Tell whether the chain is more than a margin [m] from a slot's HAV that stands."""
     for axle in range(int(rows[m.OWN_TRAILERS]) + 1):
         at = m.AXLES + 2 * axle
         if not link_keeps_clear(
@@ -71,14 +73,14 @@ def keeps_clear_of(rows, slot, margin):
 
 @rare_kernel
 def link_keeps_clear(rows, slot, ax, ay, bx, by, margin):
-    """Tell whether the segment a-b is more than a margin [m] from one that stands."""
-    seen = slot + m.SLOT_OUTLINE
+    """Tell whether the segment a-b is more than a margin [m] from a slot's HAV that stands."""
+    outline = slot + m.SLOT_OUTLINE
     margin += rows[slot + m.SLOT_ERROR]
     if (
-        min(ax, bx) > rows[seen + _RIGHT] + margin
-        or min(ay, by) > rows[seen + _TOP] + margin
-        or -max(ax, bx) > rows[seen + _LEFT] + margin
-        or -max(ay, by) > rows[seen + _BOTTOM] + margin
+        min(ax, bx) > rows[outline + _RIGHT_SIDE] + margin
+        or min(ay, by) > rows[outline + _TOP_SIDE] + margin
+        or -max(ax, bx) > rows[outline + _LEFT_SIDE] + margin
+        or -max(ay, by) > rows[outline + _BOTTOM_SIDE] + margin
     ):
         return True
     for other in range(int(rows[slot + m.SLOT_NUM_AXLES]) - 1):
@@ -94,10 +96,10 @@ def link_keeps_clear(rows, slot, ax, ay, bx, by, margin):
 
 @rare_kernel
 def keeps_clear(rows, margin):
-    """Tell whether the chain keeps clear of all that stand and are close, in the step just made.
+    """Tell whether the chain keeps clear of all that stand and are close in the last step.
 
-    At its end it must keep a margin [m] from them. On the way there it must not touch them,
-    whatever way its axles take between their places (docs/safety.md, between steps).
+    At the end of the step it must keep a margin [m] from them. During the step it must not touch
+    them, however its axles move between their places (docs/safety.md, "Between steps").
     """
     for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
@@ -115,7 +117,7 @@ def keeps_clear(rows, margin):
 
 @rare_kernel
 def _step_keeps_clear(rows, slot):
-    """Tell whether no link of the chain can touch one that stands on its way through the step."""
+    """Tell whether no link of the chain can touch a HAV that stands during the step."""
     for axle in range(int(rows[m.OWN_TRAILERS]) + 1):
         at = 2 * axle
         moved = (
@@ -138,7 +140,7 @@ def _step_keeps_clear(rows, slot):
 
 @kernel
 def _axle_moved(rows, at):
-    """Return how far an axle [m] is from where it was a step before."""
+    """Return the distance [m] of an axle from its place a step before."""
     dx, dy = (
         rows[m.AXLES + at] - rows[m.PREVIOUS_AXLES + at],
         rows[m.AXLES + at + 1] - rows[m.PREVIOUS_AXLES + at + 1],
@@ -148,10 +150,10 @@ def _axle_moved(rows, at):
 
 @rare_kernel
 def _write_swept(rows, axle):
-    """Write corners of a convex set that holds the link behind an axle all through the step.
+    """Write corners of a convex set that holds the link behind an axle during the whole step.
 
-    They are both ends of the link before and after the step, and how far the axle can get on the
-    link ahead, along which it is pulled. The front axle is pulled by nothing.
+    They are both ends of the link before the step, both after it, and the farthest place that the
+    axle reaches along the link ahead, which pulls it. Nothing pulls the front axle.
     """
     for end in range(2):
         at = 2 * (axle + end)
@@ -173,11 +175,18 @@ def _write_swept(rows, axle):
 
 @rare_kernel
 def _swept_keeps_clear(rows, slot, margin):
-    """Tell whether the convex hull of ``SWEPT_CORNERS`` keeps a margin [m] from one that stands."""
+    """Tell whether the hull of ``SWEPT_CORNERS`` keeps a margin [m] from a HAV that stands."""
     for link in range(int(rows[slot + m.SLOT_NUM_AXLES]) - 1):
         at = slot + m.SLOT_AXLES + 2 * link
         if not hull_apart(
-            rows, m.SWEPT_CORNERS, 5, rows[at], rows[at + 1], rows[at + 2], rows[at + 3], margin
+            rows,
+            m.SWEPT_CORNERS,
+            _NUM_CORNERS,
+            rows[at],
+            rows[at + 1],
+            rows[at + 2],
+            rows[at + 3],
+            margin,
         ):
             return False
     return True
@@ -185,7 +194,7 @@ def _swept_keeps_clear(rows, slot, margin):
 
 @kernel
 def nose_keeps_clear(rows, slot, before_x, before_y, margin):
-    """Tell whether the nose kept clear of one that stands on its way from where it was [m]."""
+    """Tell whether the nose keeps clear of a HAV that stands on its way from a place before [m]."""
     return link_keeps_clear(
         rows, slot, before_x, before_y, rows[m.AXLES], rows[m.AXLES + 1], margin
     )
