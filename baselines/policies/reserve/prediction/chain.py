@@ -11,6 +11,7 @@ from hav_env.maths.kdop import SIDES, include_point
 
 # The sides of an outline that are those of its bounding box.
 _RIGHT_SIDE, _TOP_SIDE, _LEFT_SIDE, _BOTTOM_SIDE = 0, SIDES // 4, SIDES // 2, 3 * SIDES // 4
+COARSE_TURN = 0.25  # [rad] of the truck in a coarse step, at most: a chord is then close to its arc
 _NUM_CORNERS = 5  # of what a link sweeps: both ends before and after, and one ahead
 
 

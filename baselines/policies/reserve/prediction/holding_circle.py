@@ -6,6 +6,7 @@ from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes, states
 from baselines.policies.reserve.perception.other_agents import is_covered, keeps_margin, slot_at
 from baselines.policies.reserve.prediction.chain import (
+    COARSE_TURN,
     keeps_clear,
     keeps_clear_of,
     move_axles,
@@ -24,10 +25,10 @@ from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI, into_frame, wrap
 from hav_env.maths.kdop import SIDES, include_disc, outside, turn_outline, widen
 
+SHIFTS = 2  # straight distances before a circle to try while driving: each one costs time
 _HULL_MARGIN = 0.05  # [m] by which an outline is wider than the convex hull: steps leave it by less
 _COARSE_ERROR = 0.15  # [m] of the places of axles after coarse steps
-_COARSE_STEP = 1.5  # [m] of a coarse step round a circle, at most
-_COARSE_SHARE = 0.25  # [rad] the same on tight circles: a chord is then close to its arc
+_CIRCLE_COARSE_STEP = 1.5  # [m] of a coarse step round a circle, at most
 _COARSE_TURNS = 3.0  # until trailers have closed in on their circles
 _EXACT_TURNS = 2.0  # that are predicted step by step at a time
 _CIRCLING_MARGIN = 0.01  # [m] to those that stand, for more turns on a circle that is reserved
@@ -113,7 +114,7 @@ def _passes_coarsely(rows, x, y, heading, side, shift, margin):
     It drives straight on, and then ``_COARSE_TURNS`` times round the circle.
     """
     radius = rows[m.OWN_CIRCLE_RADIUS]
-    step = min(_COARSE_STEP, _COARSE_SHARE * radius)
+    step = min(_CIRCLE_COARSE_STEP, COARSE_TURN * radius)
     straight = math.ceil(shift / step)
     rounds = math.ceil(_COARSE_TURNS * TWO_PI * radius / step)
     turn = side * step / radius
