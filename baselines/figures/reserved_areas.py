@@ -1,7 +1,7 @@
-"""What HAVs under Reserve have reserved, in the coordinates of their world.
+"""This module computes what HAVs under Reserve have reserved, in the coordinates of their world.
 
-It is told by their memory (``baselines.policies.reserve.memory.rows``), of which the outline
-is broadcast, and by where their trucks are: everything in it is seen from the truck.
+It follows from their memory (``baselines.policies.reserve.memory.rows``) and from the poses of
+their trucks, because a HAV remembers everything in its truck's frame.
 """
 
 import numpy as np
@@ -13,14 +13,14 @@ from hav_env import Batch, Task
 from hav_env.maths.kdop import SIDES, corner
 from hav_env.policies.driver import PolicyDriver
 
-_ROUNDING = 1e-6  # of a step
+_STEP_ROUNDING = 1e-6  # of a step: a path may be shorter by that than its number of steps
 
 
 def remember(policy, scenario, seed: int, episode: int, task: Task = Task()) -> np.ndarray:
-    """Run an episode as ``record_trajectory`` does; return what its HAVs remember.
+    """Run an episode as ``record_trajectory`` does, and return what its HAVs remember.
 
     Returns:
-        (T, N, K): what they know when they are in the states of the trajectory, T of them.
+        The memory (T, N, K) in each of the T states of the trajectory.
     """
     batch = Batch(scenario, 1, task)
     batch.reset(seed, np.array([episode]))
@@ -33,10 +33,13 @@ def remember(policy, scenario, seed: int, episode: int, task: Task = Task()) -> 
 
 
 def reserved_corners(rows: np.ndarray, x: float, y: float, heading: float) -> np.ndarray | None:
-    """Return the corners (24, 2) [m] of what a HAV has reserved, None if it stands.
+    """Return the corners (24, 2) [m] of the outline that a HAV has reserved, None if it stands.
 
     Args:
-        rows: its memory after a step; x, y, heading: where its truck is then [m, rad].
+        rows: The HAV's memory after a step.
+        x: x of its truck then [m].
+        y: y of its truck then [m].
+        heading: Heading of its truck then [rad].
     """
     if rows[m.MODE] != states.RESERVED:
         return None
@@ -48,8 +51,8 @@ def reserved_corners(rows: np.ndarray, x: float, y: float, heading: float) -> np
 def path_ahead(rows: np.ndarray, x: float, y: float, heading: float, last: float) -> np.ndarray:
     """Return the poses (P, 3) of a HAV in its next steps, up to ``last`` [m] along its path."""
     first, step = rows[m.DRIVEN], rows[m.OWN_STEP]
-    count = max(int((last - first) / step + _ROUNDING), 0)
-    # a truck turns first and then moves: it heads as the path does half a step before
+    count = max(int((last - first) / step + _STEP_ROUNDING), 0)
+    # a truck turns first and then moves, so its heading is that of the path half a step before
     middles = [first + (k - 0.5) * step for k in range(count + 1)]
     along = np.array([heading_at(rows, m.CURRENT_PATH, middle) for middle in middles])
     along += heading - along[0]
@@ -61,9 +64,9 @@ def path_ahead(rows: np.ndarray, x: float, y: float, heading: float, last: float
 def circle_behind(
     rows: np.ndarray, x: float, y: float, heading: float
 ) -> tuple[np.ndarray, float] | None:
-    """Return centre (2,) and radius [m] of the circle for ever that a HAV has reserved, or None.
+    """Return centre (2,) and radius [m] of the endless circle that a HAV has reserved, or None.
 
-    It is the circle of the truck's front axle, behind the end of the part that is reserved.
+    It is the circle of the truck's front axle, behind the end of the reserved part.
     """
     side, end, shift = rows[m.CIRCLE_SIDE], rows[m.PART_END], rows[m.CIRCLE_SHIFT]
     if rows[m.MODE] != states.RESERVED or side == 0.0:
@@ -80,5 +83,5 @@ def circle_behind(
 
 
 def _from_frame(points: np.ndarray, x: float, y: float, cosine: float, sine: float) -> np.ndarray:
-    """Return points (P, 2) that are seen from a frame, outside it."""
+    """Return points (P, 2) of a frame in the coordinates in which the frame is given."""
     return np.array([x, y]) + points @ np.array([[cosine, sine], [-sine, cosine]])

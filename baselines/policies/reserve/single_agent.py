@@ -1,10 +1,10 @@
-"""The path of a HAV that is alone: the shortest of many tight ones that its trailers survive.
+"""The path of a lone HAV: the shortest of many tight ones on which it does not jackknife.
 
-Truck and trailers may turn more tightly than they could for good, if the turn ends before they
-fold. Candidates are two arcs of different radii with a straight between them, and three arcs, to
-poses throughout the tolerance of the goal. They are tried from the shortest on, each predicted
-step by step as the simulation will move the HAV, and the first one is taken whose every
-articulation stays within the bound, until the goal is hit and on the way straight ahead behind it.
+A HAV may turn more tightly than it could without end, if the turn ends before a joint folds.
+Candidates are two arcs of different radii with a straight between them, and three arcs. They lead
+to poses throughout the tolerance of the goal. The HAV predicts them step by step, the shortest
+first. It takes the first one on which every articulation stays allowed, up to the goal and on the
+straight line behind it.
 """
 
 import math
@@ -31,20 +31,29 @@ from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI, wrap
 
-# Aims: how far along, how far to the left of the goal [of the distance tolerance], and how much to
-# the left of its heading [of the heading tolerance].
-_ALONG = (-0.5, -0.2, -0.2, -0.5, -0.2, -0.2, -0.5, -0.2, -0.2)
-_ASIDE = (0.0, 0.7, -0.7, 0.0, 0.7, -0.7, 0.0, 0.7, -0.7)
-_TURNED = (0.0, 0.0, 0.0, 0.9, 0.9, 0.9, -0.9, -0.9, -0.9)
-AIMS = 9
-SURELY = 1.0 - 1e-9  # of the tolerances of a goal: what is within is hit, rounding or not
-_TANGENTS = 4 * sizes.TURN_RADII * sizes.TURN_RADII  # left or right, then left or right, two radii
-PER_AIM = _TANGENTS + 2 * sizes.TURN_RADII
+# Aims: forward and left of the goal [distance tolerances], turn to the left [heading tolerances].
+_AIM_FORWARD = (-0.5, -0.2, -0.2, -0.5, -0.2, -0.2, -0.5, -0.2, -0.2)
+_AIM_LEFT = (0.0, 0.7, -0.7, 0.0, 0.7, -0.7, 0.0, 0.7, -0.7)
+_AIM_HEADING = (0.0, 0.0, 0.0, 0.9, 0.9, 0.9, -0.9, -0.9, -0.9)
+AIMS = len(_AIM_HEADING)
+SURELY = 1.0 - 1e-9  # of the tolerances of a goal: what is within is hit, despite rounding
+_SIDE_PAIRS = 4  # left or right, then left or right
+_TANGENTS = _SIDE_PAIRS * sizes.TURN_RADII * sizes.TURN_RADII  # two arcs and a straight
+PER_AIM = _TANGENTS + 2 * sizes.TURN_RADII  # candidates of an aim: those, and three arcs
+
+_TRUCK_FACTOR = (
+    1.0 + 1e-6
+)  # of the truck's tightest radius: the steering can follow despite rounding
+_TRAILER_FACTOR = 1.001  # of the least radius of the trailers: they can follow without end
+_ROUGH_STEPS = 2.0  # steps at a time while arcs are measured: the path is predicted exactly later
+_LAST_TURN_FACTOR = 1.1  # of the longest turn from a straight chain: it may be bent the other way
+_STRAIGHT_FOOTPRINTS = 2.0  # straight ahead behind a goal, until the HAV is nearly straight
+_PAUSE_TRUCKS = 0.5  # truck lengths straight ahead after a failed plan: the next one then differs
 
 
 @rare_kernel
 def act_alone(policy, rows, world, agent, lane):
-    """Follow the path; plan one where there is none, driving straight on while none is found.
+    """Follow the path, or plan one. Drive straight on while no path is found.
 
     Returns:
         Speed [m/s] and steering [rad].
@@ -53,7 +62,7 @@ def act_alone(policy, rows, world, agent, lane):
         sense_itself(policy, rows, world, agent, lane)
         and rows[m.CURRENT_PATH + m.NUM_SEGMENTS] > 0.0
     ):
-        rows[m.DRIVEN] -= rows[m.OWN_STEP]  # it has stood instead
+        rows[m.DRIVEN] -= rows[m.OWN_STEP]  # the HAV has stood instead
     if rows[m.PLANNED_GOALS_LEFT] != rows[m.OWN_GOALS_LEFT] or rows[m.DRIVEN] > total_length(
         rows, m.CURRENT_PATH
     ):
@@ -69,8 +78,8 @@ def act_alone(policy, rows, world, agent, lane):
             if plan_alone(policy, rows):
                 rows[m.PLANNED_GOAL_HEADING], rows[m.DRIVEN] = rows[m.OWN_GOAL + 2], 0.0
     if rows[m.CURRENT_PATH + m.NUM_SEGMENTS] == 0.0:
-        if rows[m.PAUSE] < 0.0:  # half a truck's length straight on before the next plan
-            rows[m.PAUSE] = 0.5 * rows[m.OWN_LENGTHS] / rows[m.OWN_STEP]
+        if rows[m.PAUSE] < 0.0:
+            rows[m.PAUSE] = _PAUSE_TRUCKS * rows[m.OWN_LENGTHS] / rows[m.OWN_STEP]
         return command(policy, rows, 0.0, rows[m.OWN_STEP])
     turn, distance = follow(rows)
     rows[m.DRIVEN] += distance
@@ -79,7 +88,7 @@ def act_alone(policy, rows, world, agent, lane):
 
 @rare_kernel
 def plan_alone(policy, rows):
-    """Write the path to the goal under way; return whether one was found."""
+    """Write a path to the goal, and return whether one was found."""
     _measure_longest_turns(policy, rows)
     beyond = -1.0
     for _ in range(policy.shortlists):
@@ -97,17 +106,19 @@ def plan_alone(policy, rows):
 
 @kernel
 def _radius(rows, number):
-    """Return the radius [m] of a number: from the truck's tightest to what trailers need."""
-    tightest = rows[m.OWN_TRUCK_RADIUS] * (1.0 + 1e-6)
-    widest = max(1.001 * rows[m.OWN_TRAILER_RADIUS], tightest)
-    # evenly spaced curvatures
+    """Return the radius [m] of a number, from the truck's tightest to one for the trailers.
+
+    The curvatures are evenly spaced.
+    """
+    tightest = rows[m.OWN_TRUCK_RADIUS] * _TRUCK_FACTOR
+    widest = max(_TRAILER_FACTOR * rows[m.OWN_TRAILER_RADIUS], tightest)
     share = number / (sizes.TURN_RADII - 1.0)
     return 1.0 / ((1.0 - share) / tightest + share / widest)
 
 
 @rare_kernel
 def _measure_longest_turns(policy, rows):
-    """Find out how far an arc of each radius may turn: now, and from a straight chain."""
+    """Measure the longest arc of each radius: from here, and from a straight chain."""
     for number in range(sizes.TURN_RADII):
         radius = _radius(rows, number)
         rows[m.FIRST_TURNS_LEFT + number] = _longest_turn(policy, rows, 1.0, radius, True)
@@ -117,12 +128,20 @@ def _measure_longest_turns(policy, rows):
 
 @rare_kernel
 def _longest_turn(policy, rows, side, radius, bent):
-    """Return how far [rad] a turn may go on before an articulation passes the bound."""
+    """Return the longest turn [rad] in which every articulation stays allowed.
+
+    Args:
+        policy: The Reserve.
+        rows: The HAV's memory.
+        side: Side of the turn, 1.0 left, -1.0 right.
+        radius: Radius of the turn [m].
+        bent: Whether the turn begins with the chain as it is now, not with a straight one.
+    """
     sense_chain(rows)
     if not bent:
         _straighten(rows)
     bound = rows[m.OWN_LEAST_COSINE]
-    step = 2.0 * rows[m.OWN_STEP]  # a rough measure: what is planned is predicted exactly
+    step = _ROUGH_STEPS * rows[m.OWN_STEP]
     turned, x, y = 0.0, 0.0, 0.0
     while turned < TWO_PI:
         x, y, least = advance_chain(rows, x, y, side * step / radius, step)
@@ -134,13 +153,14 @@ def _longest_turn(policy, rows, side, radius, bent):
 
 @kernel
 def _straighten(rows):
+    """Make the predicted chain straight."""
     for unit in range(sizes.MAX_UNITS):
         rows[m.PREDICTED_CHAIN + 2 * unit], rows[m.PREDICTED_CHAIN + 2 * unit + 1] = 1.0, 0.0
 
 
 @rare_kernel
 def _list_shortest(policy, rows, beyond):
-    """List the shortest candidates that are longer than ``beyond`` [m]; return how many."""
+    """List the shortest candidates that are longer than ``beyond`` [m], and return their number."""
     count = 0
     for aim in range(AIMS):
         x, y, heading, cosine, sine = _aim(policy, rows, aim)
@@ -148,7 +168,7 @@ def _list_shortest(policy, rows, beyond):
             first, last = pair // sizes.TURN_RADII, pair % sizes.TURN_RADII
             first_radius = _radius(rows, first)
             last_radius = _radius(rows, last)
-            for sides in range(4):
+            for sides in range(_SIDE_PAIRS):
                 first_side = 1.0 if sides < 2 else -1.0
                 last_side = 1.0 if sides % 2 == 0 else -1.0
                 a, b, c = tangent_path(
@@ -163,9 +183,12 @@ def _list_shortest(policy, rows, beyond):
                 most = rows[
                     (m.FIRST_TURNS_LEFT if first_side > 0.0 else m.FIRST_TURNS_RIGHT) + first
                 ]
-                if a > most * first_radius or c > 1.1 * rows[m.LAST_TURNS + last] * last_radius:
+                if (
+                    a > most * first_radius
+                    or c > _LAST_TURN_FACTOR * rows[m.LAST_TURNS + last] * last_radius
+                ):
                     continue
-                number = aim * PER_AIM + pair * 4 + sides
+                number = aim * PER_AIM + pair * _SIDE_PAIRS + sides
                 count = insert(rows, count, total, number)
         for circle in range(2 * sizes.TURN_RADII):
             a, b, c = circles_path(
@@ -181,25 +204,25 @@ def _list_shortest(policy, rows, beyond):
 
 @kernel
 def _aim(policy, rows, aim):
-    """Return a pose (x, y, heading, cosine, sine) within the goal's tolerance."""
+    """Return a pose within the goal's tolerances: x, y [m], heading [rad], its cosine and sine."""
     x, y, heading = sensed_goal(rows)
     cosine, sine = rows[m.OWN_GOAL + 3], rows[m.OWN_GOAL + 4]
-    along = _ALONG[aim] * policy.distance_tolerance
-    aside = _ASIDE[aim] * policy.distance_tolerance
-    x, y = x + along * cosine - aside * sine, y + along * sine + aside * cosine
-    heading = heading + _TURNED[aim] * policy.heading_tolerance
+    forward = _AIM_FORWARD[aim] * policy.distance_tolerance
+    left = _AIM_LEFT[aim] * policy.distance_tolerance
+    x, y = x + forward * cosine - left * sine, y + forward * sine + left * cosine
+    heading = heading + _AIM_HEADING[aim] * policy.heading_tolerance
     sine, cosine = sincos(heading)
     return x, y, heading, cosine, sine
 
 
 @rare_kernel
 def _write_candidate(policy, rows, number):
-    """Write the path of a candidate."""
+    """Write a candidate into ``CURRENT_PATH``."""
     aim, rest = number // PER_AIM, number % PER_AIM
     x, y, heading, cosine, sine = _aim(policy, rows, aim)
     rows[m.CURRENT_PATH + m.NUM_SEGMENTS] = 0.0
     if rest < _TANGENTS:
-        pair, sides = rest // 4, rest % 4
+        pair, sides = rest // _SIDE_PAIRS, rest % _SIDE_PAIRS
         first_radius = _radius(rows, pair // sizes.TURN_RADII)
         last_radius = _radius(rows, pair % sizes.TURN_RADII)
         first_side = 1.0 if sides < 2 else -1.0
@@ -221,10 +244,10 @@ def _write_candidate(policy, rows, number):
 
 @rare_kernel
 def survives(policy, rows):
-    """Tell whether the path hits the goal while every articulation keeps the bound.
+    """Tell whether the path hits the goal while every articulation stays allowed.
 
-    It must keep it behind the goal as well, straight ahead until the HAV is straight again: what
-    folds later would be just as bad. Behind the last goal nothing follows.
+    Behind a goal that is not the last one, every articulation must also stay allowed straight
+    ahead, until the HAV is straight again.
     """
     goal_x, goal_y, goal_heading = sensed_goal(rows)
     bound = rows[m.OWN_LEAST_COSINE]
@@ -245,7 +268,7 @@ def survives(policy, rows):
     if rows[m.OWN_GOALS_LEFT] == 1:
         return True
     driven = 0.0
-    while driven < 2.0 * rows[m.OWN_FOOTPRINT]:
+    while driven < _STRAIGHT_FOOTPRINTS * rows[m.OWN_FOOTPRINT]:
         x, y, least = advance_chain(rows, x, y, 0.0, distance)
         if least < bound:
             return False
@@ -255,7 +278,15 @@ def survives(policy, rows):
 
 @kernel
 def hits_goal(policy, dx, dy, turn, share):
-    """Tell whether a goal so far away [m, rad] is within a share of the tolerances."""
+    """Tell whether a goal is hit, with the tolerances times ``share``.
+
+    Args:
+        policy: The Reserve, which has the tolerances.
+        dx: Difference of the goal's x and the truck's [m].
+        dy: Difference of the goal's y and the truck's [m].
+        turn: Difference of the goal's heading and the truck's [rad].
+        share: Factor of both tolerances.
+    """
     near = policy.distance_tolerance * share
     aligned = abs(wrap(turn)) < policy.heading_tolerance * share
     return (dx * dx + dy * dy < near * near) & aligned
