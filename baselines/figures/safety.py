@@ -42,7 +42,7 @@ from hav_env.evaluation.rollout import rollout
 from hav_env.models.text import visible
 from hav_env.scenarios import check_scenario
 
-_SEED = 2026  # of all episodes
+_FIGURE_SEED = 2026  # of all episodes
 _PAIR_EPISODE = 29  # of a pair: each HAV blocks the other's path
 _MOMENTS = (31.0, 56.0, 240.0)  # [s] of that episode
 _CROSSING_EPISODE = 2  # of HAVs on a circle
@@ -51,7 +51,7 @@ _MOST_HAVS, _MOST_STEPS = 1_000, 10**7
 _DASHED: dict = {"ls": (0, (4, 1.5)), "lw": 0.8}
 _DOTTED: dict = {"ls": (0, (1, 1.2)), "lw": 1.0}
 _ARROW: dict = {"ls": "", "marker": r"$\rightarrow$", "ms": 10}
-_CHAIN = Line2D(
+_CHAIN_HANDLE = Line2D(
     [], [], color=DARK, lw=1, marker="o", ms=2, label="trailers and axles; truck: thick"
 )
 
@@ -119,7 +119,7 @@ def _run(options: Options, task: Task) -> dict[str, list[pa.Table]]:
         scenario, numbers = RandomPoses(num_havs=havs), np.arange(episodes)
         title = f"{havs} HAV{'s' if havs > 1 else ''}, {episodes:,} episodes"
         tables[title] = [
-            rollout(policy, scenario, _SEED, numbers, task, threads=options.threads)
+            rollout(policy, scenario, _FIGURE_SEED, numbers, task, threads=options.threads)
             for policy in (Reserve(), AvoidJack())
         ]
     return tables
@@ -129,8 +129,8 @@ def _run(options: Options, task: Task) -> dict[str, list[pa.Table]]:
 def draw_outlines(task: Task = Task()) -> Figure:
     """Draw a pair of HAVs and what they have reserved at three moments, to scale."""
     scenario = RandomPoses(num_havs=2, num_goals=1)
-    trajectory = record_trajectory(Reserve(), scenario, _SEED, _PAIR_EPISODE, task)
-    memories = remember(Reserve(), scenario, _SEED, _PAIR_EPISODE, task)
+    trajectory = record_trajectory(Reserve(), scenario, _FIGURE_SEED, _PAIR_EPISODE, task)
+    memories = remember(Reserve(), scenario, _FIGURE_SEED, _PAIR_EPISODE, task)
     figure = new_figure(3.6)
     figure.set_layout_engine("constrained", h_pad=0.1)
     panels = figure.subplots(1, len(_MOMENTS), sharex=True, sharey=True)
@@ -147,7 +147,7 @@ def draw_outlines(task: Task = Task()) -> Figure:
     panels[0].set(ylabel="y [m]")
     square: dict = {"ls": "", "marker": "s", "ms": 8, "mfc": LIGHT, "mec": GREY}
     handles = [
-        _CHAIN,
+        _CHAIN_HANDLE,
         Line2D([], [], label="reserved: the outline that is broadcast", **square),
         Line2D([], [], color=GREY, label="circle to drive on for ever, reserved too", **_DASHED),
         Line2D([], [], color=GREY, label="planned path, to be reserved part by part", **_DOTTED),
@@ -216,7 +216,7 @@ def _draw_goal(axes: Axes, trajectory: Trajectory, hav: int, color, length: floa
 def draw_roundabout(havs: int = 10, task: Task = Task()) -> Figure:
     """Draw HAVs that cross a circle to the opposite side, at four moments, to scale."""
     scenario = Crossing(num_havs=havs)
-    trajectory = record_trajectory(Reserve(), scenario, _SEED, _CROSSING_EPISODE, task)
+    trajectory = record_trajectory(Reserve(), scenario, _FIGURE_SEED, _CROSSING_EPISODE, task)
     colors = [colorsys.hls_to_rgb(hav / havs, 0.42, 0.7) for hav in range(havs)]
     figure = new_figure(6.9, 6.4)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
@@ -237,7 +237,7 @@ def draw_roundabout(havs: int = 10, task: Task = Task()) -> Figure:
         below.set(xlabel="x [m]")
         left.set(ylabel="y [m]")
     handles = [
-        _CHAIN,
+        _CHAIN_HANDLE,
         Line2D([], [], color=GREY, lw=0.8, label="truck's path in these seconds"),
         Line2D([], [], color=GREY, label="goal, opposite the start", **_ARROW),
     ]

@@ -29,12 +29,12 @@ _SPREAD_CIRCLES = (
 _SPREAD_SHARE = 0.3  # of the distance to the goal that a waypoint may lie aside in addition
 _NEAR_GOAL_EVERY = 4  # candidates: one of these has its waypoint near the goal
 
-_KINDS = 3  # of a piece: arc to the right, straight, arc to the left
+_PIECE_KINDS = 3  # of a piece: arc to the right, straight, arc to the left
 _PIECES = 7  # most pieces of a sequence: with the word behind it, it fills a path
 _PIECE_LENGTHS = (0.4, 0.8, 1.6)  # [radii of the endless circle]: a small, a medium, a large turn
 _NUM_LENGTHS = len(_PIECE_LENGTHS)
 # The number of sequences: each length, with 0 to ``_PIECES`` pieces.
-SEQUENCES = _NUM_LENGTHS * (_KINDS ** (_PIECES + 1) - 1) // (_KINDS - 1)
+SEQUENCES = _NUM_LENGTHS * (_PIECE_KINDS ** (_PIECES + 1) - 1) // (_PIECE_KINDS - 1)
 
 
 @rare_kernel
@@ -98,8 +98,8 @@ def write_sequence(rows, number, x, y, heading):
     rest = number // _NUM_LENGTHS
     via_x, via_y, via_heading = 0.0, 0.0, 0.0
     while rest > 0:
-        side = (rest - 1) % _KINDS - 1.0
-        rest = (rest - 1) // _KINDS
+        side = (rest - 1) % _PIECE_KINDS - 1.0
+        rest = (rest - 1) // _PIECE_KINDS
         append(rows, m.TRIAL_PATH, side / radius, length)
         half = 0.5 * side * length / radius
         sine, cosine = sincos(half)
