@@ -71,7 +71,7 @@ _RECHECK_MARGIN_SHARE = 0.5  # of that: kept by the path ahead, so that it is no
 _NO_HORIZON = -1.0  # [m] no outline of others counts on the path ahead, only HAVs that stand
 _ANYWHERE = 1e9  # [m] radius that holds everybody
 _CORNER_FACTOR = (
-    1.01  # an outline's corners are at most 1 / cos(pi / 24) times as far as its content
+    1.01  # distance of an outline's corner over its content's: at most 1 / cos(pi / 24)
 )
 _CIRCLE_REACH = 4.0  # radii of the nose's circle: the shift, its diameter, and one more for margins
 _OUTLINE_SLACK = 1.0  # [m] by which an outline may be wider than its content: margins and sag

@@ -42,9 +42,7 @@ from hav_env.maths.kdop import clear_outline
 
 MANY_FAILURES = 20  # plans that fail, after which last resorts are tried
 _PATHS_BEFORE_WHOLE_REST = 5  # to a goal, after which the whole rest to it may be reserved
-_NEAR_GOAL_CIRCLES = (
-    3.0  # radii of the endless circle, plus the truck: the rest that may be reserved
-)
+_NEAR_GOAL_CIRCLES = 3.0  # radii of the endless circle, plus the truck: a rest that may be reserved
 _SEQUENCES_AT_ONCE = 48  # that one plan tries: more would take too long in one step
 _PATIENCE_GROWTH = 0.2  # of the patience, with each failed plan
 _LENGTH_FACTOR = 1.2  # times the shortest candidate: a path of that length is never too long

@@ -22,9 +22,7 @@ from hav_env.maths.random_numbers import normal, uniform
 CONTINUE_MARGIN = 0.02  # [m] margin that is enough to go on with what is reserved
 TRY_PERIOD = 5  # steps from one attempt to begin, or to find a way out, to the next
 PLAN_PERIOD = 15  # steps from one plan of a moving HAV to the next: a plan costs the most time
-_WAITS_BEFORE_GIVING_UP = (
-    10  # times ``policy.wait``, blocked beside a circle that cannot be entered
-)
+_WAITS_BEFORE_GIVING_UP = 10  # times ``policy.wait``, blocked, if the circle cannot be entered
 
 # A plan.
 _DRAWS_PER_PLAN = 11  # the largest number of a draw below, plus one

@@ -29,6 +29,7 @@ from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import wrap
 from hav_env.maths.kdop import SIDES, clear_outline, widen
 
+_NO_MARGIN = -1.0  # [m] HAVs that stand do not count while a part is predicted
 PATH_ROUNDING = 1e-6  # [m] that a step may lead beyond the end of the reserved part
 
 
@@ -98,7 +99,7 @@ def reserve_rest(policy, rows, path, driven, heading, margin):
     """
     if not is_due(rows, policy.turns):
         return False
-    ok, _, _, _, end = predict_part(policy, rows, path, driven, heading, 0.0, True, -1.0)
+    ok, _, _, _, end = predict_part(policy, rows, path, driven, heading, 0.0, True, _NO_MARGIN)
     if not (
         ok
         and is_covered(rows, m.TRIAL_OUTLINE, margin)
@@ -132,7 +133,7 @@ def reserve_circle(policy, rows, path, driven, heading, end, shifts, margin):
     """
     if not is_due(rows, policy.turns):
         return False
-    ok, x, y, turned, _ = predict_part(policy, rows, path, driven, heading, end, False, -1.0)
+    ok, x, y, turned, _ = predict_part(policy, rows, path, driven, heading, end, False, _NO_MARGIN)
     if not ok or not keeps_margin(rows, m.TRIAL_OUTLINE, states.RESERVED, margin):
         return False
     for side in range(SIDES):

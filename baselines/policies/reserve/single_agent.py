@@ -41,9 +41,7 @@ _SIDE_PAIRS = 4  # left or right, then left or right
 _TANGENTS = _SIDE_PAIRS * sizes.TURN_RADII * sizes.TURN_RADII  # two arcs and a straight
 PER_AIM = _TANGENTS + 2 * sizes.TURN_RADII  # candidates of an aim: those, and three arcs
 
-_TRUCK_FACTOR = (
-    1.0 + 1e-6
-)  # of the truck's tightest radius: the steering can follow despite rounding
+_TRUCK_FACTOR = 1.0 + 1e-6  # of the truck's tightest radius: steering can follow despite rounding
 _TRAILER_FACTOR = 1.001  # of the least radius of the trailers: they can follow without end
 _ROUGH_STEPS = 2.0  # steps at a time while arcs are measured: the path is predicted exactly later
 _LAST_TURN_FACTOR = 1.1  # of the longest turn from a straight chain: it may be bent the other way

@@ -9,6 +9,7 @@ whole number from 0.0. Modules import this one as ``m`` and write ``rows[m.DRIVE
 """
 
 from baselines.policies.reserve.memory.sizes import (
+    LINK_CORNERS,
     MAX_KNOWN,
     MAX_SEGMENTS,
     MAX_UNITS,
@@ -106,7 +107,7 @@ NEWCOMERS = _next()  # count of others without a slot that have come near since 
 PREDICTED_CHAIN = _next(2 * MAX_UNITS)  # cosine and sine of each unit's heading
 AXLES = _next(2 * (MAX_UNITS + 1))  # x and y of each axle, the front one first [m]
 PREVIOUS_AXLES = _next(2 * (MAX_UNITS + 1))  # the same a step before [m]
-SWEPT_CORNERS = _next(2 * 5)  # corners of a set that holds a link during a step [m]
+SWEPT_CORNERS = _next(2 * LINK_CORNERS)  # corners of a set that holds a link during a step [m]
 SAVED_CHAIN = _next(2 * MAX_UNITS)  # copy of PREDICTED_CHAIN
 SAVED_AXLES = _next(2 * (MAX_UNITS + 1))  # copy of AXLES [m]
 

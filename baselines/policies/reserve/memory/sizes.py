@@ -2,6 +2,7 @@
 
 MAX_TRAILERS = 10  # of a HAV
 MAX_UNITS = MAX_TRAILERS + 1  # of a HAV: the truck and its trailers
+LINK_CORNERS = 5  # of what a link sweeps in a step: both ends before and after, and one ahead
 MAX_SEGMENTS = 10  # arcs and straights of a path: 7 of a sequence and 3 of the word behind it
 TURN_RADII = 8  # radii of arcs that a HAV tries when it is alone
 SHORTLIST_SIZE = 48  # candidates that are sorted at a time

@@ -23,10 +23,9 @@ _WORD_RADII = (1.0, 1.5, 2.5)  # of direct candidates [radii of the endless circ
 DIRECT = _NUM_WORDS * len(_WORD_RADII)  # candidates of one Dubins word
 
 _DRAWS_PER_WAYPOINT = 8  # share, spread, 2 for each normal coordinate, heading; one is spare
-_SPREAD_CIRCLES = (
-    2.0  # radii of the nose's circle that a waypoint may lie aside, plus the footprint
-)
-_SPREAD_SHARE = 0.3  # of the distance to the goal that a waypoint may lie aside in addition
+# The largest standard deviation of a waypoint's place: the footprint, and
+_SPREAD_CIRCLES = 2.0  # radii of the nose's circle: enough to drive round another HAV's circle
+_SPREAD_SHARE = 0.3  # of the distance to the goal: a long path may lead farther round
 _NEAR_GOAL_EVERY = 4  # candidates: one of these has its waypoint near the goal
 
 _PIECE_KINDS = 3  # of a piece: arc to the right, straight, arc to the left

@@ -3,7 +3,7 @@
 import math
 
 from baselines.policies.reserve.memory import rows as m
-from baselines.policies.reserve.memory import states
+from baselines.policies.reserve.memory import sizes, states
 from baselines.policies.reserve.perception.other_agents import slot_at
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import hull_apart, segments_apart
@@ -12,7 +12,6 @@ from hav_env.maths.kdop import SIDES, include_point
 # The sides of an outline that are those of its bounding box.
 _RIGHT_SIDE, _TOP_SIDE, _LEFT_SIDE, _BOTTOM_SIDE = 0, SIDES // 4, SIDES // 2, 3 * SIDES // 4
 COARSE_TURN = 0.25  # [rad] of the truck in a coarse step, at most: a chord is then close to its arc
-_NUM_CORNERS = 5  # of what a link sweeps: both ends before and after, and one ahead
 
 
 @rare_kernel
@@ -182,7 +181,7 @@ def _swept_keeps_clear(rows, slot, margin):
         if not hull_apart(
             rows,
             m.SWEPT_CORNERS,
-            _NUM_CORNERS,
+            sizes.LINK_CORNERS,
             rows[at],
             rows[at + 1],
             rows[at + 2],
