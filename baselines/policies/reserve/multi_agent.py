@@ -70,9 +70,7 @@ _NEXT_MARGIN_SHARE = 0.3  # of the plan's margin: kept by the next part of a pat
 _RECHECK_MARGIN_SHARE = 0.5  # of that: kept by the path ahead, so that it is not given up too soon
 _NO_HORIZON = -1.0  # [m] no outline of others counts on the path ahead, only HAVs that stand
 _ANYWHERE = 1e9  # [m] radius that holds everybody
-_CORNER_FACTOR = (
-    1.01  # distance of an outline's corner over its content's: at most 1 / cos(pi / 24)
-)
+_CORNER_FACTOR = 1.01  # above 1 / cos(pi / 24), the distance of a corner over the content's
 _CIRCLE_REACH = 4.0  # radii of the nose's circle: the shift, its diameter, and one more for margins
 _OUTLINE_SLACK = 1.0  # [m] by which an outline may be wider than its content: margins and sag
 _POSSIBLY = 1.0 + 1e-9  # of the tolerances of a goal: what is outside is not hit, despite rounding
