@@ -1,29 +1,29 @@
-"""This module tells from a table where not all goals can be reached, and the shortest times."""
+"""This module finds in a table the worlds with unreachable goals, and the shortest times."""
 
 import math
 
 import numpy as np
 import pyarrow as pa
 
+from baselines.policies.reserve.preconditions import CIRCLE_FACTOR
 from hav_env import Task
 from hav_env.maths.dubins import path_length
 
-_WIDER = 1.02  # than the tightest circle that trailers and truck can drive on for ever
-
 
 def column(table: pa.Table, name: str) -> np.ndarray:
+    """Return a column of a table as floats, NaN where it is null."""
     return table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
 
 
 def starts_touching(table: pa.Table, num_havs: int) -> np.ndarray:
-    """Tell in which worlds chains touch at the start, (W,)."""
+    """Return a flag for each world: whether chains touch at the start, (W,)."""
     if num_havs == 1:
         return np.zeros(table.num_rows, bool)
     return (column(table, "actual_collision_step") == 0).reshape(-1, num_havs).any(1)
 
 
 def goals_crossing(table: pa.Table, num_havs: int) -> np.ndarray:
-    """Tell in which worlds two trucks that stood at their goals would cross, (W,)."""
+    """Return a flag for each world: whether two trucks at their goals would cross, (W,)."""
     crossing = np.zeros(table.num_rows // num_havs, bool)
     length = column(table, "truck_length").reshape(-1, num_havs)
     goal = 1
@@ -44,16 +44,17 @@ def goals_crossing(table: pa.Table, num_havs: int) -> np.ndarray:
 
 
 def _side(a, b, p):
-    """Return a number above 0 where p is to the left of the way from a to b; all are complex."""
+    """Return a number above 0 where p is to the left of the line from a to b; all are complex."""
     return ((b - a).conjugate() * (p - a)).imag
 
 
 def shortest_times(table: pa.Table, fleet) -> tuple[np.ndarray, np.ndarray]:
-    """Return how many steps the shortest paths to the goals take, each (G, R).
+    """Return the number of steps of the shortest path to each goal, two arrays (G, R).
 
-    The second and later ones are from the goal before. The first array is for the truck's own
-    radius, l^0 / tan(phi^max), the second for 1.02 times the one on which its trailers too can go
-    round for ever, max(sqrt(sum (l^j)^2), l^0 / tan(phi^max)).
+    A path to the second or a later goal begins at the goal before. The paths of the first array
+    have the truck's own radius, l^0 / tan(phi^max). Those of the second have the radius of
+    Reserve's circle: ``CIRCLE_FACTOR`` times the least radius on which the trailers too can drive
+    without end, max(sqrt(sum (l^j)^2), l^0 / tan(phi^max)).
     """
     step = fleet.speed_max * Task().dt
     truck = column(table, "truck_length")
@@ -69,7 +70,8 @@ def shortest_times(table: pa.Table, fleet) -> tuple[np.ndarray, np.ndarray]:
         dx, dy = (end - start)[:, :2].T
         seen = (dx + 1j * dy) * np.exp(-1j * start[:, 2])
         turn = end[:, 2] - start[:, 2]
-        for times, radius in zip(steps, (own, _WIDER * np.maximum(own, trailers)), strict=True):
+        radii = own, CIRCLE_FACTOR * np.maximum(own, trailers)
+        for times, radius in zip(steps, radii, strict=True):
             shortest = map(path_length, seen.real, seen.imag, turn, radius)
             times.append(np.fromiter(shortest, float, len(truck)) / step)
     return np.array(steps[0]), np.array(steps[1])

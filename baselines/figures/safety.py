@@ -1,7 +1,8 @@
-"""The figures of docs/safety.md: ``python -m baselines.figures.safety``.
+"""This module draws the figures of docs/safety.md: ``python -m baselines.figures.safety``.
 
-What two HAVs under Reserve have reserved while one gives way to the other; ten HAVs that cross a
-circle; and when HAVs arrive, beside AVOID-JACK on the same episodes.
+The first one shows what two HAVs under Reserve have reserved while one makes room for the other.
+The second one shows ten HAVs that cross a circle. The third one shows when HAVs arrive, compared
+with AVOID-JACK on the same episodes.
 """
 
 import colorsys
@@ -31,7 +32,8 @@ from baselines.figures.trajectory_plot import (
 )
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.reserve import Reserve
-from baselines.policies.reserve.memory import rows as rows_of
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import states
 from baselines.policies.reserve.prediction.paths import total_length
 from baselines.replay.trajectory import Trajectory, chain_points, record_trajectory
 from hav_env import Crossing, RandomPoses, Task
@@ -40,49 +42,50 @@ from hav_env.evaluation.rollout import rollout
 from hav_env.models.text import visible
 from hav_env.scenarios import check_scenario
 
-_SEED = 2026  # of all episodes
-_PAIR = 29  # the episode of a pair that is drawn: each is in the other's way
-_MOMENTS = (31.0, 56.0, 240.0)  # of it [s]
-_CIRCLE = 2  # the episode on a circle that is drawn
-_EARLIEST = 5.0  # [s] nobody arrives before
+_FIGURE_SEED = 2026  # of all episodes
+_PAIR_EPISODE = 29  # of a pair: each HAV blocks the other's path
+_MOMENTS = (31.0, 56.0, 240.0)  # [s] of that episode
+_CROSSING_EPISODE = 2  # of HAVs on a circle
+_EARLIEST = 5.0  # [s] no HAV arrives before
 _MOST_HAVS, _MOST_STEPS = 1_000, 10**7
 _DASHED: dict = {"ls": (0, (4, 1.5)), "lw": 0.8}
 _DOTTED: dict = {"ls": (0, (1, 1.2)), "lw": 1.0}
 _ARROW: dict = {"ls": "", "marker": r"$\rightarrow$", "ms": 10}
-_CHAIN = Line2D(
+_CHAIN_HANDLE = Line2D(
     [], [], color=DARK, lw=1, marker="o", ms=2, label="trailers and axles; truck: thick"
 )
 
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """What is drawn, and where to."""
+    """The size of the episodes to draw, and the folder of the pictures."""
 
     output: pathlib.Path = pathlib.Path("docs/images")
     """Folder of the pictures, reserve_*.png; those that are there are replaced."""
     episodes: int = 500
-    """With one HAV, and as many with two, whose times are drawn."""
+    """Number of episodes with one HAV, and also with two, whose times are drawn."""
     worlds: int = 40
-    """Episodes with a swarm whose times are drawn."""
+    """Number of episodes with a swarm whose times are drawn."""
     havs: int = 10
-    """In a swarm, and on the circle."""
+    """Number of HAVs in a swarm, and on the circle."""
     steps: int = Task().max_steps
-    """No episode is longer than this."""
+    """Maximum length of an episode [steps]."""
     threads: int | None = None
-    """How many; by default HAV_THREADS or all cores."""
+    """Number of threads, by default HAV_THREADS or all cores."""
 
 
 def main(words: list[str] | None = None) -> int:
-    """Draw the pictures; return the exit code. What is wrong is said in one line."""
+    """Draw the pictures, and return the exit code. An error is reported in one line."""
     usage, about = "python -m baselines.figures.safety", "Draw the figures of docs/safety.md."
     return run_command(usage, about, Options(), illustrate, words, "nothing is half written")
 
 
 def illustrate(options: Options) -> str:
-    """Draw all pictures; return the paths of the files, a line each.
+    """Draw all pictures, and return the paths of the files, one in each line.
 
     Raises:
-        ValueError, OSError: when an option is not allowed, or the folder cannot be written.
+        ValueError: An option is not allowed.
+        OSError: The folder cannot be written.
     """
     check_whole("steps", options.steps, 1, _MOST_STEPS)
     check_whole("havs", options.havs, 1, _MOST_HAVS)
@@ -116,7 +119,7 @@ def _run(options: Options, task: Task) -> dict[str, list[pa.Table]]:
         scenario, numbers = RandomPoses(num_havs=havs), np.arange(episodes)
         title = f"{havs} HAV{'s' if havs > 1 else ''}, {episodes:,} episodes"
         tables[title] = [
-            rollout(policy, scenario, _SEED, numbers, task, threads=options.threads)
+            rollout(policy, scenario, _FIGURE_SEED, numbers, task, threads=options.threads)
             for policy in (Reserve(), AvoidJack())
         ]
     return tables
@@ -124,10 +127,10 @@ def _run(options: Options, task: Task) -> dict[str, list[pa.Table]]:
 
 @sheet
 def draw_outlines(task: Task = Task()) -> Figure:
-    """Draw a pair of HAVs and what they have reserved, at some moments; to scale."""
+    """Draw a pair of HAVs and what they have reserved at three moments, to scale."""
     scenario = RandomPoses(num_havs=2, num_goals=1)
-    trajectory = record_trajectory(Reserve(), scenario, _SEED, _PAIR, task)
-    memories = remember(Reserve(), scenario, _SEED, _PAIR, task)
+    trajectory = record_trajectory(Reserve(), scenario, _FIGURE_SEED, _PAIR_EPISODE, task)
+    memories = remember(Reserve(), scenario, _FIGURE_SEED, _PAIR_EPISODE, task)
     figure = new_figure(3.6)
     figure.set_layout_engine("constrained", h_pad=0.1)
     panels = figure.subplots(1, len(_MOMENTS), sharex=True, sharey=True)
@@ -144,7 +147,7 @@ def draw_outlines(task: Task = Task()) -> Figure:
     panels[0].set(ylabel="y [m]")
     square: dict = {"ls": "", "marker": "s", "ms": 8, "mfc": LIGHT, "mec": GREY}
     handles = [
-        _CHAIN,
+        _CHAIN_HANDLE,
         Line2D([], [], label="reserved: the outline that is broadcast", **square),
         Line2D([], [], color=GREY, label="circle to drive on for ever, reserved too", **_DASHED),
         Line2D([], [], color=GREY, label="planned path, to be reserved part by part", **_DOTTED),
@@ -155,16 +158,16 @@ def draw_outlines(task: Task = Task()) -> Figure:
 
 
 def _doing(trajectory: Trajectory, rows: np.ndarray, hav: int, state: int) -> str:
-    """Say what a HAV does in a state, in which it remembers ``rows``."""
+    """Return what a HAV does in a state in which its memory is ``rows``."""
     if trajectory.waiting[state, hav]:
         return "has arrived"
-    if rows[rows_of.MODE] != rows_of.RESERVED:
+    if rows[m.MODE] != states.RESERVED:
         return "stands, nothing reserved"
     if trajectory.speed[max(state - 1, 0), hav] == 0.0:
         return "waits for its next part"
-    if rows[rows_of.PURPOSE] == rows_of.CIRCLE:
+    if rows[m.PURPOSE] == states.CIRCLE_PATH:
         return "drives round its circle"
-    if rows[rows_of.SIDE] == 0.0:
+    if rows[m.CIRCLE_SIDE] == 0.0:
         return "drives the rest to its goal"
     return "drives a part of its path"
 
@@ -179,8 +182,8 @@ def _draw_reserved(
     if corners is not None:
         axes.fill(*corners.T, fc=color, alpha=0.2, zorder=1)
         axes.fill(*corners.T, fill=False, ec=color, lw=0.8, zorder=2)
-        if rows[rows_of.PURPOSE] == rows_of.GOAL:
-            path = path_ahead(rows, *pose, total_length(rows, rows_of.PATH))
+        if rows[m.PURPOSE] == states.GOAL_PATH:
+            path = path_ahead(rows, *pose, total_length(rows, m.CURRENT_PATH))
             axes.plot(*path[:, :2].T, color=color, zorder=2, **_DOTTED)
     if circle is not None:
         (x, y), radius = circle
@@ -211,9 +214,9 @@ def _draw_goal(axes: Axes, trajectory: Trajectory, hav: int, color, length: floa
 
 @sheet
 def draw_roundabout(havs: int = 10, task: Task = Task()) -> Figure:
-    """Draw HAVs on a circle, each to the opposite side, at four moments; to scale."""
+    """Draw HAVs that cross a circle to the opposite side, at four moments, to scale."""
     scenario = Crossing(num_havs=havs)
-    trajectory = record_trajectory(Reserve(), scenario, _SEED, _CIRCLE, task)
+    trajectory = record_trajectory(Reserve(), scenario, _FIGURE_SEED, _CROSSING_EPISODE, task)
     colors = [colorsys.hls_to_rgb(hav / havs, 0.42, 0.7) for hav in range(havs)]
     figure = new_figure(6.9, 6.4)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
@@ -234,7 +237,7 @@ def draw_roundabout(havs: int = 10, task: Task = Task()) -> Figure:
         below.set(xlabel="x [m]")
         left.set(ylabel="y [m]")
     handles = [
-        _CHAIN,
+        _CHAIN_HANDLE,
         Line2D([], [], color=GREY, lw=0.8, label="truck's path in these seconds"),
         Line2D([], [], color=GREY, label="goal, opposite the start", **_ARROW),
     ]
@@ -244,11 +247,11 @@ def draw_roundabout(havs: int = 10, task: Task = Task()) -> Figure:
 
 @sheet
 def draw_times(tables: dict[str, list[pa.Table]], task: Task = Task()) -> Figure:
-    """Draw which share of the HAVs has arrived at the first goal by when.
+    """Draw the share of HAVs that have arrived at their first goal, over time.
 
     Args:
-        tables: of Reserve and AVOID-JACK on the same episodes, by the title of their panel.
-        task: rules of the episodes.
+        tables: Tables of Reserve and AVOID-JACK on the same episodes, by the title of their panel.
+        task: The rules of the episodes.
     """
     figure = new_figure(2.5)
     panels = figure.subplots(1, len(tables), sharex=True, sharey=True)

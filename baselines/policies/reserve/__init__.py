@@ -1,4 +1,4 @@
-"""Reserve, a policy that commits only to what it has predicted to end well."""
+"""This package holds Reserve, a policy that moves only within what it has reserved."""
 
 from baselines.policies.reserve.policy import Reserve
 

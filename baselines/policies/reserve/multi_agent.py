@@ -1,307 +1,286 @@
-"""What a HAV under Reserve does among others, step by step.
+"""What a HAV under Reserve does among others, in each step: its states and their transitions.
 
-It stands until it has reserved something, and moves only within what it has reserved. Before it
-comes to the end of that it reserves the next part of its path; where that is not possible it looks
-for another path, and in the end goes round the circle that it has reserved until there is one.
+The row ``MODE`` of its memory holds the state. Others hear it.
+
+``STANDING``: The HAV has reserved nothing and does not move. Others keep clear of its chain.
+    It tries to begin every ``TRY_PERIOD`` steps. A reserved path or circle leads to ``RESERVED``.
+``RESERVED``: The HAV has reserved an outline and moves only within that.
+    A step that hits the goal leads to ``ARRIVED``. A HAV that is blocked for too long gives up its
+    outline, which leads to ``STANDING``.
+``ARRIVED``: The HAV stops at its goal, within its outline.
+    If it has to decide again, it has a new goal, or it missed this one. Both lead to ``STANDING``.
+
+A new goal leads from every state to ``STANDING``. Within ``RESERVED`` a HAV follows one of these:
+
+*Part*: a part of its path, to the goal or to a random place, with a circle behind it.
+    Before its end the HAV reserves the next part, or the rest. If it cannot, it looks for another
+    path (a part or the rest). After ``policy.wait`` blocked steps it enters the circle.
+*Rest*: the rest of its path, to the stop at the goal. It reserves that anew from time to time.
+*Circle*: the circle, two turns at a time. Every ``PLAN_PERIOD`` steps it looks for a path.
+
+The flag ``HELD`` is cleared if the outline overlaps that of a newcomer. The HAV then stops until it
+has reserved another outline, or gives up. docs/safety.md draws all of this.
 """
 
 import math
 
-from baselines.policies.reserve.memory.rows import (
-    ADOPTED,
-    AFTER,
-    ARRIVED,
-    BEFORE,
-    BLOCKED,
-    CIRCLE,
-    CLEAR,
-    DOOMED,
-    DRIVEN,
-    END,
-    EXPLORED,
-    FAILED,
-    GATHERED,
-    GOAL,
-    GOALS_LEFT,
-    HELD,
-    MARGIN,
-    MODE,
-    MOST_TRAILERS,
-    NUM_SLOTS,
-    NUMBER,
-    OWN_DICE,
-    OWN_FRONT,
-    OWN_GOALS_LEFT,
-    OWN_REACH,
-    OWN_SAG,
-    OWN_STEEPEST,
-    OWN_STEP,
-    OWN_STRIDE,
-    PATH,
-    PREFERRED,
-    PURPOSE,
-    RADIUS,
-    REFRESH,
-    RESERVED,
-    SAG,
-    SEGMENTS,
-    SIDE,
-    STAMP,
-    STANDING,
-    STRANGERS,
-    STRIDE,
-    TRIES,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import states
 from baselines.policies.reserve.path_search import (
+    is_drivable,
     reserve_next,
-    stands_test,
 )
 from baselines.policies.reserve.perception.gathering import gather
 from baselines.policies.reserve.perception.other_agents import (
-    has_company_changed,
-    is_known,
-    note_company,
+    has_neighborhood_changed,
+    remember_neighborhood,
     reserved_gap,
     slot_at,
+    was_near,
 )
 from baselines.policies.reserve.perception.own_state import (
-    goal_seen,
     is_due,
-    sag,
     sense_itself,
     sense_joints,
-    stride,
+    sensed_goal,
 )
-from baselines.policies.reserve.prediction.chain import keeps_clear_of, place_axles
-from baselines.policies.reserve.prediction.holding_circle import go_round
+from baselines.policies.reserve.prediction.holding_circle import extend_circle
 from baselines.policies.reserve.prediction.motion import (
-    advance_chain,
     command,
     follow,
     path_heading,
-    sense_chain,
 )
-from baselines.policies.reserve.replanning import KEEP, begin, find_way_out, plan
-from baselines.policies.reserve.reservation import ROUNDING, reserve_rest
+from baselines.policies.reserve.prediction.next_step import next_step_keeps_clear
+from baselines.policies.reserve.replanning import (
+    CONTINUE_MARGIN,
+    PLAN_PERIOD,
+    TRY_PERIOD,
+    find_way_out,
+    plan_path,
+    try_to_begin,
+)
+from baselines.policies.reserve.reservation import PATH_ROUNDING, reserve_rest
 from baselines.policies.reserve.single_agent import SURELY, hits_goal
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 
-_SAGS = 6.0  # that rolling wheels may be away from the simulator's next places, as measured
-_LEAD = 1.0  # [m] before the end of what is reserved, where the next part is asked for
-_RENEW = 0.3  # of the margin of the plan is the margin of a next part
-_ANYWHERE = 1e9  # [m]
-_WIDER = 1.01  # an outline's corners are at most 1 / cos(pi / 24) times as far as its contents
-_MAYBE = 1.0 + 1e-9  # of the tolerances of a goal: what is outside is not hit
+_LEAD = 1.0  # [m] before the end of the reserved part, from where the HAV reserves the next one
+_RENEW_PERIOD = 3  # steps from one attempt to do so to the next, for a HAV that is blocked
+_NEXT_MARGIN_SHARE = 0.3  # of the plan's margin: kept by the next part of a path
+_RECHECK_MARGIN_SHARE = 0.5  # of that: kept by the path ahead, so that it is not given up too soon
+_NO_HORIZON = -1.0  # [m] no outline of others counts on the path ahead, only HAVs that stand
+_ANYWHERE = 1e9  # [m] radius that holds everybody
+_CORNER_FACTOR = 1.01  # above 1 / cos(pi / 24), the distance of a corner over the content's
+_CIRCLE_REACH = 4.0  # radii of the nose's circle: the shift, its diameter, and one more for margins
+_OUTLINE_SLACK = 1.0  # [m] by which an outline may be wider than its content: margins and sag
+_POSSIBLY = 1.0 + 1e-9  # of the tolerances of a goal: what is outside is not hit, despite rounding
 
 
 @rare_kernel
 def act_among_others(policy, rows, memory, world, agent, lane):
-    """Return speed [m/s] and steering [rad]."""
+    """Return speed [m/s] and steering [rad] of the next step."""
     if sense_itself(policy, rows, world, agent, lane):
-        _take_back(rows)
-    # who is asked has not arrived
-    if rows[GOALS_LEFT] != rows[OWN_GOALS_LEFT] or rows[MODE] == ARRIVED:
-        _take_goal(rows)
-    changed = rows[MODE] == RESERVED and has_company_changed(
+        _undo_step(rows)
+    # the simulator asks only HAVs that have not arrived
+    if rows[m.PLANNED_GOALS_LEFT] != rows[m.OWN_GOALS_LEFT] or rows[m.MODE] == states.ARRIVED:
+        _start_on_goal(rows)
+    changed = rows[m.MODE] == states.RESERVED and has_neighborhood_changed(
         policy, rows, memory, world, agent, lane
     )
-    radius = _ANYWHERE if changed else _attention(policy, rows)
-    rows[GATHERED] = 0.0
+    radius = _ANYWHERE if changed else _gathering_radius(policy, rows)
+    rows[m.GATHERED] = 0.0
     if radius > 0.0:
         sense_joints(rows, world, agent, lane)
         gather(policy, rows, memory, world, agent, lane, radius)
-        rows[GATHERED] = 1.0
-    stood = rows[MODE] == STANDING
-    turn, distance = think(policy, rows, changed)
-    # who begins has just looked at everybody in range: only they are no newcomers later
-    if changed or (stood and rows[HELD] > 0.0):
-        note_company(policy, rows, memory, world, agent, lane)
+        rows[m.GATHERED] = 1.0
+    stood = rows[m.MODE] == states.STANDING
+    turn, distance = decide(policy, rows, changed)
+    # a HAV that begins has just compared its outline with those of everybody in range
+    if changed or (stood and rows[m.HELD] > 0.0):
+        remember_neighborhood(policy, rows, memory, world, agent, lane)
     return command(policy, rows, turn, distance)
 
 
 @kernel
-def _take_back(rows):
-    """Forget the step before if it was decided: the HAV has stood instead."""
+def _undo_step(rows):
+    """Undo the step that was decided last: the HAV has stood instead."""
     moved = False
     for row in range(4):
-        moved = moved | (rows[AFTER + row] != rows[BEFORE + row])
-        rows[AFTER + row] = rows[BEFORE + row]
+        moved = moved | (rows[m.FRAME_AFTER + row] != rows[m.FRAME_BEFORE + row])
+        rows[m.FRAME_AFTER + row] = rows[m.FRAME_BEFORE + row]
     if moved:
-        rows[DRIVEN] -= rows[OWN_STEP]
+        rows[m.DRIVEN] -= rows[m.OWN_STEP]
 
 
 @kernel
-def _attention(policy, rows):
-    """Return how far round [m] others matter in this step, 0.0 when nothing is to be decided."""
+def _gathering_radius(policy, rows):
+    """Return the radius [m] in which others matter in this step, 0.0 if there is no decision."""
     if not policy.broadcast:
         return _ANYWHERE
-    if rows[MODE] == STANDING:
-        return _ANYWHERE if rows[TRIES] == 0.0 or is_due(rows, 5) else 0.0
-    rest = rows[END] - rows[DRIVEN]
-    reach = _WIDER * rows[OWN_REACH] + 1.0  # outlines are wider than what they hold
-    if not _may_move(rows):
+    if rows[m.MODE] == states.STANDING:
+        return _ANYWHERE if rows[m.TRIES] == 0.0 or is_due(rows, TRY_PERIOD) else 0.0
+    rest = rows[m.PART_END] - rows[m.DRIVEN]
+    reach = _CORNER_FACTOR * rows[m.OWN_REACH] + _OUTLINE_SLACK
+    if not _may_step(rows):
         return _ANYWHERE
-    if (rows[PURPOSE] == CIRCLE or rows[DOOMED] > 0.0) and is_due(rows, 15):
+    if _wants_other_path(rows):
         return _ANYWHERE
-    if rows[SIDE] == 0.0:
-        return _WIDER * rest + reach if rows[DRIVEN] >= rows[REFRESH] else 0.0
-    far = _WIDER * (policy.part + 4.0 * rows[OWN_FRONT]) + reach
-    return far if rest <= _lead(policy, rows) else 0.0
+    if rows[m.CIRCLE_SIDE] == 0.0:
+        return _CORNER_FACTOR * rest + reach if rows[m.DRIVEN] >= rows[m.REFRESH] else 0.0
+    far = _CORNER_FACTOR * (policy.part + _CIRCLE_REACH * rows[m.OWN_FRONT_RADIUS]) + reach
+    return far if rest <= _lead_distance(policy, rows) else 0.0
 
 
 @kernel
-def _lead(policy, rows):
-    """Return how long before the end of what is reserved the next part is asked for [m]."""
-    return _LEAD + (policy.turns - 1) * rows[OWN_STEP]
+def _wants_other_path(rows):
+    """Tell whether it is time to look for a path that is better than a circle or a blocked one."""
+    return (rows[m.PURPOSE] == states.CIRCLE_PATH or rows[m.DOOMED] > 0.0) and is_due(
+        rows, PLAN_PERIOD
+    )
+
+
+@kernel
+def _lead_distance(policy, rows):
+    """Return the distance [m] before the end of the reserved part to reserve the next one from."""
+    return _LEAD + (policy.turns - 1) * rows[m.OWN_STEP]
 
 
 @rare_kernel
-def think(policy, rows, changed):
-    """Decide on the next step; return its turn [rad] and its distance [m].
+def decide(policy, rows, changed):
+    """Decide on the next step.
 
     Args:
-        changed: whether other HAVs are in sensing range, or stand, than in the step before.
+        policy: The Reserve.
+        rows: The HAV's memory, with what it senses in this step.
+        changed: Whether the near neighbours, or their states, differ from those remembered.
+
+    Returns:
+        The turn [rad] and the distance [m] of the step.
     """
     for row in range(4):
-        rows[BEFORE + row] = rows[AFTER + row]
-    if rows[MODE] == STANDING:
-        rows[RADIUS] = 0.0
-        if hits_goal(policy, *goal_seen(rows), SURELY):
+        rows[m.FRAME_BEFORE + row] = rows[m.FRAME_AFTER + row]
+    if rows[m.MODE] == states.STANDING:
+        rows[m.OUTLINE_RADIUS] = 0.0
+        if hits_goal(policy, *sensed_goal(rows), SURELY):
             return 0.0, 0.0
-        if rows[TRIES] == 0.0 or is_due(rows, 5):
-            begin(policy, rows)
-        if rows[MODE] == STANDING:
+        if rows[m.TRIES] == 0.0 or is_due(rows, TRY_PERIOD):
+            try_to_begin(policy, rows)
+        if rows[m.MODE] == states.STANDING:
             return 0.0, 0.0
     elif changed:
-        _look_again(policy, rows)
-    _go_on_reserving(policy, rows)
-    if not _may_move(rows):
+        _recheck_reservation(policy, rows)
+    _renew_reservation(policy, rows)
+    if not _may_step(rows):
         find_way_out(policy, rows)
-    elif (rows[PURPOSE] == CIRCLE or rows[DOOMED] > 0.0) and is_due(rows, 15):
-        plan(policy, rows, policy.margin)
-    if rows[MODE] == STANDING:
+    elif _wants_other_path(rows):
+        plan_path(policy, rows, policy.margin)
+    if rows[m.MODE] == states.STANDING:
         return 0.0, 0.0
-    rows[STAMP] = rows[OWN_DICE + 2] + 1.0
-    if not _may_move(rows) or not (policy.broadcast or _step_is_clear(rows)):
-        rows[BLOCKED] += 1.0
+    rows[m.STAMP] = rows[m.OWN_RANDOM_KEY + 2] + 1.0
+    if not _may_step(rows) or not (policy.broadcast or next_step_keeps_clear(rows)):
+        rows[m.BLOCKED] += 1.0
         return 0.0, 0.0
-    rows[BLOCKED] = 0.0
+    rows[m.BLOCKED] = 0.0
     return _move(policy, rows)
 
 
 @kernel
-def _take_goal(rows):
-    rows[GOALS_LEFT] = rows[OWN_GOALS_LEFT]
-    rows[MODE], rows[PATH + SEGMENTS], rows[PURPOSE] = STANDING, 0.0, GOAL
-    rows[BLOCKED], rows[FAILED], rows[TRIES], rows[HELD] = 0.0, 0.0, 0.0, 0.0
-    rows[ADOPTED], rows[EXPLORED] = 0.0, 0.0
-    if rows[PREFERRED] == 0.0:
-        rows[PREFERRED] = 1.0
+def _start_on_goal(rows):
+    """Stand, and forget what belongs to the goal before."""
+    rows[m.PLANNED_GOALS_LEFT] = rows[m.OWN_GOALS_LEFT]
+    rows[m.MODE], rows[m.PURPOSE] = states.STANDING, states.GOAL_PATH
+    rows[m.CURRENT_PATH + m.NUM_SEGMENTS] = 0.0
+    rows[m.BLOCKED], rows[m.FAILED], rows[m.TRIES], rows[m.HELD] = 0.0, 0.0, 0.0, 0.0
+    rows[m.ADOPTED], rows[m.EXPLORED] = 0.0, 0.0
+    if rows[m.PREFERRED_SIDE] == 0.0:
+        rows[m.PREFERRED_SIDE] = 1.0
 
 
 @rare_kernel
-def _look_again(policy, rows):
-    """Compare what is reserved with those who came near: it is held only if they agree."""
-    extent = math.sqrt(rows[AFTER] * rows[AFTER] + rows[AFTER + 1] * rows[AFTER + 1])
-    agree = rows[STRANGERS] == 0.0 or extent + rows[RADIUS] <= rows[CLEAR]
-    for number in range(int(rows[NUM_SLOTS])):
-        slot = slot_at(number)
-        known = policy.broadcast and is_known(rows, rows[slot + NUMBER])
-        if not known and reserved_gap(rows, slot) <= 0.0:
-            agree = False
-    if not agree:
-        heading = path_heading(rows)
-        if not reserve_next(policy, rows, PATH, rows[DRIVEN], heading, rows[PURPOSE], KEEP):
-            rows[HELD] = 0.0
-    if rows[PURPOSE] != CIRCLE and rows[SIDE] != 0.0:
-        margin = 0.5 * _RENEW * rows[MARGIN]
-        passes = stands_test(policy, rows, PATH, rows[DRIVEN], rows[PURPOSE], -1.0, margin)
-        rows[DOOMED] = 0.0 if passes else 1.0
+def _recheck_reservation(policy, rows):
+    """Compare the outline with those of newcomers, and the path ahead with HAVs that stand.
 
-
-@rare_kernel
-def _go_on_reserving(policy, rows):
-    """Reserve the next part of the path when the end of what is reserved comes near.
-
-    On the rest to a goal, reserve what is left of it from time to time, to give way. On a circle
-    with somebody inside, look at the next rounds.
+    If an outline overlaps, reserve the next part anew. The outline is not held if that fails.
     """
-    driven, end = rows[DRIVEN], rows[END]
-    if rows[PATH + SEGMENTS] == 0.0:
+    x, y = rows[m.FRAME_AFTER], rows[m.FRAME_AFTER + 1]
+    extent = math.sqrt(x * x + y * y)
+    disjoint = rows[m.NEWCOMERS] == 0.0 or extent + rows[m.OUTLINE_RADIUS] <= rows[m.COVERED_RADIUS]
+    for number in range(int(rows[m.NUM_SLOTS])):
+        slot = slot_at(number)
+        known = policy.broadcast and was_near(rows, rows[slot + m.SLOT_NUMBER])
+        if not known and reserved_gap(rows, slot) <= 0.0:
+            disjoint = False
+    path, driven = m.CURRENT_PATH, rows[m.DRIVEN]
+    if not disjoint:
+        heading = path_heading(rows)
+        purpose, margin = rows[m.PURPOSE], CONTINUE_MARGIN
+        if not reserve_next(policy, rows, path, driven, heading, purpose, margin):
+            rows[m.HELD] = 0.0
+    if rows[m.PURPOSE] != states.CIRCLE_PATH and rows[m.CIRCLE_SIDE] != 0.0:
+        margin = _RECHECK_MARGIN_SHARE * _NEXT_MARGIN_SHARE * rows[m.PLANNED_MARGIN]
+        purpose = rows[m.PURPOSE]
+        passes = is_drivable(policy, rows, path, driven, purpose, _NO_HORIZON, margin)
+        rows[m.DOOMED] = 0.0 if passes else 1.0
+
+
+@rare_kernel
+def _renew_reservation(policy, rows):
+    """Reserve the next part of the path near the end of the reserved one.
+
+    On the rest to a goal, reserve what is left of it from time to time, to make room for others. On
+    a circle, extend the reserved part by the next turns.
+    """
+    driven, end = rows[m.DRIVEN], rows[m.PART_END]
+    if rows[m.CURRENT_PATH + m.NUM_SEGMENTS] == 0.0:
         return
     heading = path_heading(rows)
-    if rows[SIDE] == 0.0 and rows[HELD] > 0.0:
-        if driven >= rows[REFRESH]:
-            rows[REFRESH] = driven + policy.refresh
-            if rows[GATHERED] > 0.0:
-                reserve_rest(policy, rows, PATH, driven, heading, KEEP)
+    if rows[m.CIRCLE_SIDE] == 0.0 and rows[m.HELD] > 0.0:
+        if driven >= rows[m.REFRESH]:
+            rows[m.REFRESH] = driven + policy.refresh
+            if rows[m.GATHERED] > 0.0:
+                reserve_rest(policy, rows, m.CURRENT_PATH, driven, heading, CONTINUE_MARGIN)
         return
-    step = rows[OWN_STEP]
+    step = rows[m.OWN_STEP]
     at_end = end - driven < step
-    if end - driven > _lead(policy, rows):
+    if end - driven > _lead_distance(policy, rows):
         return
-    if at_end and rows[BLOCKED] > 0.0 and not is_due(rows, 3):
+    if at_end and rows[m.BLOCKED] > 0.0 and not is_due(rows, _RENEW_PERIOD):
         return
-    if rows[PURPOSE] == CIRCLE:
-        if rows[GATHERED] > 0.0 and rows[HELD] > 0.0:
-            go_round(rows, PATH, driven, heading, 0.0)
+    if rows[m.PURPOSE] == states.CIRCLE_PATH:
+        if rows[m.GATHERED] > 0.0 and rows[m.HELD] > 0.0:
+            extend_circle(rows, m.CURRENT_PATH, driven, heading, 0.0)
         return
-    if rows[GATHERED] > 0.0:
-        margin = KEEP if at_end else _RENEW * rows[MARGIN]
-        reserve_next(policy, rows, PATH, driven, heading, rows[PURPOSE], margin)
+    if rows[m.GATHERED] > 0.0:
+        margin = CONTINUE_MARGIN if at_end else _NEXT_MARGIN_SHARE * rows[m.PLANNED_MARGIN]
+        reserve_next(policy, rows, m.CURRENT_PATH, driven, heading, rows[m.PURPOSE], margin)
 
 
 @kernel
-def _may_move(rows):
+def _may_step(rows):
     """Tell whether the next step is within what is reserved."""
-    step = rows[OWN_STEP]
+    step = rows[m.OWN_STEP]
     return (
-        (rows[HELD] > 0.0)
-        & (rows[PATH + SEGMENTS] > 0.0)
-        & (rows[DRIVEN] + step <= rows[END] + ROUNDING)
+        (rows[m.HELD] > 0.0)
+        & (rows[m.CURRENT_PATH + m.NUM_SEGMENTS] > 0.0)
+        & (rows[m.DRIVEN] + step <= rows[m.PART_END] + PATH_ROUNDING)
     )
 
 
 @rare_kernel
-def _step_is_clear(rows):
-    """Tell whether the HAV is still clear of all others after its next step, if they take one too.
-
-    That is all that it can see to when nobody tells what is reserved.
-    """
-    turn, distance = follow(rows)
-    sense_chain(rows)
-    x, y, _ = advance_chain(rows, 0.0, 0.0, turn, distance)
-    place_axles(rows, x, y)
-    # of those in no slot it is known only that their units are at least half as long as a step
-    step, steepest = rows[OWN_STEP], rows[OWN_STEEPEST]
-    most = stride(step, steepest, 0.5 * step, MOST_TRAILERS)
-    most += 2.0 * _SAGS * sag(step, steepest, 0.5 * step)
-    if rows[OWN_REACH] + rows[OWN_STRIDE] + most > rows[CLEAR]:
-        return False
-    for number in range(int(rows[NUM_SLOTS])):
-        slot = slot_at(number)
-        # before the end of the step, what is left of one stride and what is done of the other
-        # are together no longer than the longer one
-        margin = max(rows[OWN_STRIDE], rows[slot + STRIDE])
-        margin += _SAGS * (rows[OWN_SAG] + rows[slot + SAG])
-        if not keeps_clear_of(rows, slot, margin):
-            return False
-    return True
-
-
-@rare_kernel
 def _move(policy, rows):
-    """Take the next step of the path, and tell the others where the outline's frame is then."""
+    """Take the next step of the path, and write where the outline's frame is after it."""
     turn, distance = follow(rows)
-    rows[DRIVEN] += distance
+    rows[m.DRIVEN] += distance
     sine, cosine = sincos(turn)
     dx, dy = distance * cosine, distance * sine
-    x, y = rows[AFTER] - dx, rows[AFTER + 1] - dy
-    rows[AFTER], rows[AFTER + 1] = x * cosine + y * sine, y * cosine - x * sine
-    along, left = rows[AFTER + 2], rows[AFTER + 3]
-    rows[AFTER + 2], rows[AFTER + 3] = along * cosine + left * sine, left * cosine - along * sine
-    goal_x, goal_y, goal_heading = goal_seen(rows)
-    if hits_goal(policy, goal_x - dx, goal_y - dy, goal_heading - turn, _MAYBE):
-        rows[MODE] = ARRIVED  # if it has not after all, it will be asked, and begins anew
+    x, y = rows[m.FRAME_AFTER] - dx, rows[m.FRAME_AFTER + 1] - dy
+    rows[m.FRAME_AFTER], rows[m.FRAME_AFTER + 1] = x * cosine + y * sine, y * cosine - x * sine
+    along, left = rows[m.FRAME_AFTER + 2], rows[m.FRAME_AFTER + 3]
+    rows[m.FRAME_AFTER + 2], rows[m.FRAME_AFTER + 3] = (
+        along * cosine + left * sine,
+        left * cosine - along * sine,
+    )
+    goal_x, goal_y, goal_heading = sensed_goal(rows)
+    if hits_goal(policy, goal_x - dx, goal_y - dy, goal_heading - turn, _POSSIBLY):
+        rows[m.MODE] = states.ARRIVED  # if it has not after all, it has to decide again
     return turn, distance

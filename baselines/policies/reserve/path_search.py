@@ -1,44 +1,21 @@
-"""Where to go: paths to the goal, straight or by way of a random place, past all others.
+"""The search for a path to a pose, past all others.
 
-Every candidate is driven in thought, in coarse steps. Near by, the HAV must be able to go round a
-circle, past what others have reserved, from every place on the way; farther on only those who
-stand count, for the others will have moved. The shortest one that stands the test is taken, if its
-first part can be reserved.
+The HAV predicts every candidate in coarse steps. Up to the horizon, it must have a free circle at
+every step, past the outlines of others. Beyond the horizon only HAVs that stand count, because the
+others will have moved. The HAV takes the shortest candidate that it can drive and whose first part
+it can reserve.
 """
 
 import math
 
-from baselines.policies.reserve.memory.rows import (
-    ADOPTED,
-    AXLES,
-    BODY,
-    CURVATURES,
-    EXPLORED,
-    FAILED,
-    GOAL,
-    KIND,
-    LENGTH_OF,
-    LENGTHS,
-    NUM_RESTLESS,
-    NUM_SLOTS,
-    NUMBER_OF,
-    OWN_CIRCLE,
-    OWN_FRONT,
-    OWN_LENGTHS,
-    OWN_REACH,
-    OWN_REAR,
-    RESERVED,
-    SEGMENTS,
-    STANDING,
-    TRIAL,
-    WAYPOINTS,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes, states
 from baselines.policies.reserve.memory.shortlist import insert
 from baselines.policies.reserve.perception.other_agents import (
-    apart,
     gap_to,
+    is_any_within,
+    keeps_margin,
     slot_at,
-    someone_within,
 )
 from baselines.policies.reserve.prediction.candidates import (
     DIRECT,
@@ -47,13 +24,14 @@ from baselines.policies.reserve.prediction.candidates import (
     write_sequence,
 )
 from baselines.policies.reserve.prediction.chain import (
+    COARSE_TURN,
     include_axles,
     keeps_clear_of,
-    nose_swept,
+    nose_keeps_clear,
     place_axles,
     pull_axles,
 )
-from baselines.policies.reserve.prediction.holding_circle import find_circle
+from baselines.policies.reserve.prediction.holding_circle import SHIFTS, find_circle
 from baselines.policies.reserve.prediction.motion import sense_chain
 from baselines.policies.reserve.prediction.paths import total_length
 from baselines.policies.reserve.reservation import reserve_circle, reserve_rest
@@ -62,92 +40,122 @@ from hav_env.maths.dubins import INFEASIBLE
 from hav_env.maths.elementary import sincos
 from hav_env.maths.kdop import clear_outline
 
-_SEQUENCES_AT_ONCE = 48
-_MANY_PATHS = 5
-MANY_FAILURES = 20
+MANY_FAILURES = 20  # plans that fail, after which last resorts are tried
+_PATHS_BEFORE_WHOLE_REST = 5  # to a goal, after which the whole rest to it may be reserved
+_NEAR_GOAL_CIRCLES = 3.0  # radii of the endless circle, plus the truck: a rest that may be reserved
+_SEQUENCES_AT_ONCE = 48  # that one plan tries: more would take too long in one step
+_PATIENCE_GROWTH = 0.2  # of the patience, with each failed plan
+_LENGTH_FACTOR = 1.2  # times the shortest candidate: a path of that length is never too long
+_PART_MARGIN_SHARE = 0.5  # of the plan's margin: kept by the first part, which is predicted exactly
+_PATH_COARSE_STEP = 2.0  # [m] of a coarse step along a path, at most
+_FAR = _PATH_COARSE_STEP  # [m] beyond the margin, from where a coarse step cannot come too near
 
 
 @rare_kernel
 def search(policy, rows, x, y, heading, purpose, margin):
-    """Look for a path to a pose [m, rad] and reserve its first part; it is left in ``TRIAL``.
+    """Look for a path to a pose and reserve its first part. The path is left in ``TRIAL_PATH``.
 
     Args:
-        purpose: GOAL when it is the goal's, or PLACE.
-        margin: to be kept from all others [m].
+        policy: The Reserve.
+        rows: The HAV's memory.
+        x: Forward coordinate of the pose [m].
+        y: Left coordinate of the pose [m].
+        heading: Heading of the pose [rad].
+        purpose: ``GOAL_PATH`` if the pose is at the goal, otherwise ``PLACE_PATH``.
+        margin: Margin of the path to all others [m].
 
     Returns:
-        Whether one was found and reserved.
+        Whether a path was found and its first part reserved.
     """
     count = 0
-    for number in range(DIRECT + (WAYPOINTS if purpose == GOAL else 0)):
+    for number in range(DIRECT + (sizes.WAYPOINTS if purpose == states.GOAL_PATH else 0)):
         write_candidate(rows, number, x, y, heading)
-        total = total_length(rows, TRIAL)
-        if rows[TRIAL + SEGMENTS] > 0.0 and total < INFEASIBLE:
+        total = total_length(rows, m.TRIAL_PATH)
+        if rows[m.TRIAL_PATH + m.NUM_SEGMENTS] > 0.0 and total < INFEASIBLE:
             count = insert(rows, count, total, number)
     if count == 0:
         return False
-    patience = policy.patience * (1.0 + 0.2 * rows[FAILED])
-    longest = 1.2 * rows[LENGTH_OF] + patience
-    front = rows[OWN_FRONT]
+    patience = policy.patience * (1.0 + _PATIENCE_GROWTH * rows[m.FAILED])
+    longest = _LENGTH_FACTOR * rows[m.LISTED_LENGTHS] + patience
+    front = rows[m.OWN_FRONT_RADIUS]
     for k in range(count):
-        if rows[LENGTH_OF + k] > longest:
+        if rows[m.LISTED_LENGTHS + k] > longest:
             break
-        number = int(rows[NUMBER_OF + k])
+        number = int(rows[m.LISTED_NUMBERS + k])
         write_candidate(rows, number, x, y, heading)
         horizon = policy.horizon * front
-        if not stands_test(policy, rows, TRIAL, 0.0, purpose, horizon, margin):
+        if not is_drivable(policy, rows, m.TRIAL_PATH, 0.0, purpose, horizon, margin):
             continue
-        if reserve_next(policy, rows, TRIAL, 0.0, 0.0, purpose, 0.5 * margin):
+        part_margin = _PART_MARGIN_SHARE * margin
+        if reserve_next(policy, rows, m.TRIAL_PATH, 0.0, 0.0, purpose, part_margin):
             return True
     return False
 
 
 @rare_kernel
 def search_in_order(policy, rows, x, y, heading, margin):
-    """Go on through all sequences of arcs and straights, as ``search``; it takes many calls."""
-    horizon = policy.horizon * rows[OWN_FRONT]
+    """Try the next sequences of arcs and straights, as ``search`` tries candidates.
+
+    A call tries ``_SEQUENCES_AT_ONCE`` of them, and the next call goes on from there.
+
+    Args:
+        policy: The Reserve.
+        rows: The HAV's memory.
+        x: Forward coordinate of the pose [m].
+        y: Left coordinate of the pose [m].
+        heading: Heading of the pose [rad].
+        margin: Margin of the path to all others [m].
+
+    Returns:
+        Whether a path was found and its first part reserved.
+    """
+    horizon = policy.horizon * rows[m.OWN_FRONT_RADIUS]
+    part_margin = _PART_MARGIN_SHARE * margin
     for _ in range(_SEQUENCES_AT_ONCE):
-        number = int(rows[EXPLORED])
-        rows[EXPLORED] = (number + 1) % SEQUENCES
+        number = int(rows[m.EXPLORED])
+        rows[m.EXPLORED] = (number + 1) % SEQUENCES
         write_sequence(rows, number, x, y, heading)
-        if stands_test(policy, rows, TRIAL, 0.0, GOAL, horizon, margin) and reserve_next(
-            policy, rows, TRIAL, 0.0, 0.0, GOAL, 0.5 * margin
-        ):
+        if is_drivable(
+            policy, rows, m.TRIAL_PATH, 0.0, states.GOAL_PATH, horizon, margin
+        ) and reserve_next(policy, rows, m.TRIAL_PATH, 0.0, 0.0, states.GOAL_PATH, part_margin):
             return True
     return False
 
 
 @kernel
 def rest_is_near(rows, rest):
-    """Tell whether so much of a path [m] to the goal may be reserved at once.
+    """Tell whether a rest [m] of a path to the goal is short enough to be reserved at once.
 
-    After some paths in vain it may be any, if all who are near are at their goals.
+    After many paths or failures any length is, if all others in slots have arrived.
     """
-    near = 3.0 * rows[OWN_CIRCLE] + rows[OWN_LENGTHS]
-    in_vain = (rows[ADOPTED] > _MANY_PATHS) | (rows[FAILED] > MANY_FAILURES)
-    return (rest <= near) | ((rows[NUM_RESTLESS] == 0.0) & in_vain)
+    near = _NEAR_GOAL_CIRCLES * rows[m.OWN_CIRCLE_RADIUS] + rows[m.OWN_LENGTHS]
+    in_vain = (rows[m.ADOPTED] > _PATHS_BEFORE_WHOLE_REST) | (rows[m.FAILED] > MANY_FAILURES)
+    return (rest <= near) | ((rows[m.NUM_UNARRIVED] == 0.0) & in_vain)
 
 
 @rare_kernel
-def stands_test(policy, rows, path, done, purpose, horizon, margin):
+def is_drivable(policy, rows, path, done, purpose, horizon, margin):
     """Tell whether the HAV can drive along a path, in coarse steps, past all others.
 
     Args:
-        path: where it stands; done: how much of it is done already [m].
-        purpose: of the path.
-        horizon: how far ahead what others have reserved counts [m].
-        margin: to be kept [m].
+        policy: The Reserve.
+        rows: The HAV's memory.
+        path: First row of the path.
+        done: Distance driven along it [m].
+        purpose: Purpose of the path.
+        horizon: Distance from here up to which the outlines of others count [m].
+        margin: Margin to all others [m].
     """
-    coarse = min(2.0, 0.25 * rows[OWN_CIRCLE])
-    rear, front = rows[OWN_REAR], rows[OWN_FRONT]
-    reach = rows[OWN_REACH]
-    extent = max(reach, rear + front) + margin + 2.0
+    coarse = min(_PATH_COARSE_STEP, COARSE_TURN * rows[m.OWN_CIRCLE_RADIUS])
+    rear, front = rows[m.OWN_REAR_RADIUS], rows[m.OWN_FRONT_RADIUS]
+    reach = rows[m.OWN_REACH]
+    extent = max(reach, rear + front) + margin + _FAR
     rest = total_length(rows, path) - done
     sense_chain(rows)
     place_axles(rows, 0.0, 0.0)
     x, y, heading, driven = 0.0, 0.0, 0.0, 0.0
-    for segment in range(int(rows[path + SEGMENTS])):
-        curvature, length = rows[path + CURVATURES + segment], rows[path + LENGTHS + segment]
+    for segment in range(int(rows[path + m.NUM_SEGMENTS])):
+        curvature, length = rows[path + m.CURVATURES + segment], rows[path + m.LENGTHS + segment]
         skipped = min(done, length)
         done, length = done - skipped, length - skipped
         if length <= 0.0:
@@ -158,23 +166,23 @@ def stands_test(policy, rows, path, done, purpose, horizon, margin):
         sine, cosine = sincos(half)
         chord = along if half == 0.0 else along * sine / half
         for _ in range(steps):
-            nose_x, nose_y = rows[AXLES], rows[AXLES + 1]
+            nose_x, nose_y = rows[m.AXLES], rows[m.AXLES + 1]
             sine, cosine = sincos(heading + half)
             x, y = x + chord * cosine, y + chord * sine
             heading, driven = heading + 2.0 * half, driven + along
             sine, cosine = sincos(heading)
             pull_axles(rows, x, y, cosine, sine)
-            if not someone_within(rows, x, y, extent):
+            if not is_any_within(rows, x, y, extent):
                 continue
             if not _passes_standing(rows, nose_x, nose_y, margin):
                 return False
             if driven > horizon:
                 continue
-            if not apart(rows, BODY, RESERVED, margin):
+            if not keeps_margin(rows, m.BODY_OUTLINE, states.RESERVED, margin):
                 return False
-            if purpose == GOAL and rest_is_near(rows, rest - driven):
+            if purpose == states.GOAL_PATH and rest_is_near(rows, rest - driven):
                 continue
-            side, _ = find_circle(policy, rows, x, y, heading, 2, margin, False)
+            side, _ = find_circle(policy, rows, x, y, heading, SHIFTS, margin, False)
             if side == 0.0:
                 return False
     return True
@@ -182,13 +190,19 @@ def stands_test(policy, rows, path, done, purpose, horizon, margin):
 
 @rare_kernel
 def _passes_standing(rows, nose_x, nose_y, margin):
-    """Tell whether the axles keep clear of all that stand; write their outline into ``BODY``."""
-    clear_outline(rows, BODY)
-    include_axles(rows, BODY)
-    for number in range(int(rows[NUM_SLOTS])):
+    """Tell whether the axles keep clear of all that stand.
+
+    Their outline is left in ``BODY_OUTLINE``.
+    """
+    clear_outline(rows, m.BODY_OUTLINE)
+    include_axles(rows, m.BODY_OUTLINE)
+    for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
-        if rows[slot + KIND] == STANDING and gap_to(rows, slot, BODY, margin) <= margin + 2.0:
-            if not nose_swept(rows, slot, nose_x, nose_y, margin):
+        if (
+            rows[slot + m.SLOT_KIND] == states.STANDING
+            and gap_to(rows, slot, m.BODY_OUTLINE, margin) <= margin + _FAR
+        ):
+            if not nose_keeps_clear(rows, slot, nose_x, nose_y, margin):
                 return False
             if not keeps_clear_of(rows, slot, margin):
                 return False
@@ -197,26 +211,33 @@ def _passes_standing(rows, nose_x, nose_y, margin):
 
 @rare_kernel
 def reserve_next(policy, rows, path, driven, heading, purpose, margin):
-    """Reserve the next part of a path, to its end if that is a goal near by; tell whether it is.
+    """Reserve the next part of a path, or the whole rest if the goal is near.
 
     Args:
-        path: where it stands; driven: how much of it is done [m].
-        heading: of the truck less that of the path's start [rad].
-        purpose: of the path; margin: to be kept from all others [m].
+        policy: The Reserve.
+        rows: The HAV's memory.
+        path: First row of the path.
+        driven: Distance driven along it [m].
+        heading: Truck's heading less that of the path's start [rad], up to whole turns.
+        purpose: Purpose of the path.
+        margin: Margin to all others [m].
+
+    Returns:
+        Whether that is possible.
     """
     total = total_length(rows, path)
     if (
-        purpose == GOAL
+        purpose == states.GOAL_PATH
         and rest_is_near(rows, total - driven)
         and reserve_rest(policy, rows, path, driven, heading, margin)
     ):
         return True
     end = min(driven + policy.part, total)
-    return reserve_circle(policy, rows, path, driven, heading, end, 2, margin)
+    return reserve_circle(policy, rows, path, driven, heading, end, SHIFTS, margin)
 
 
 @rare_kernel
-def reserve_place(policy, rows, shifts, margin):
-    """Reserve a circle that begins here and now; tell whether that is possible."""
-    rows[TRIAL + SEGMENTS] = 0.0
-    return reserve_circle(policy, rows, TRIAL, 0.0, 0.0, 0.0, shifts, margin)
+def reserve_circle_here(policy, rows, shifts, margin):
+    """Reserve a circle that begins here, and tell whether that is possible."""
+    rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
+    return reserve_circle(policy, rows, m.TRIAL_PATH, 0.0, 0.0, 0.0, shifts, margin)

@@ -1,9 +1,10 @@
-"""Reserve: commit only to what was predicted to end well, and tell the others."""
+"""The policy Reserve: a HAV moves only within what it has predicted, reserved and broadcast."""
 
 import math
 from typing import NamedTuple
 
-from baselines.policies.reserve.memory.rows import BROADCAST, MOST_TRAILERS, ROWS
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes
 from baselines.policies.reserve.multi_agent import act_among_others
 from baselines.policies.reserve.preconditions import LEAST_MARGIN, check_range, check_step
 from baselines.policies.reserve.single_agent import act_alone
@@ -20,56 +21,62 @@ from hav_env.policies.interface import (
 
 
 class Reserve(NamedTuple):
-    """Move only within what was reserved: no jackknife and no collision, by construction."""
+    """A HAV moves only within what it has reserved.
+
+    By construction nobody jackknifes and nobody collides. docs/safety.md has the proof.
+    """
 
     dt: Duration = 0.2
-    """Duration of a step [s], ``Task.dt``: what is planned is predicted step by step."""
+    """Duration of a step [s], equal to ``Task.dt``."""
     distance_tolerance: Distance = 0.5
-    """``Task.distance_tolerance`` [m]."""
+    """Distance tolerance of a goal [m], equal to ``Task.distance_tolerance``."""
     heading_tolerance: Angle = 0.1
-    """``Task.heading_tolerance`` [rad]."""
+    """Heading tolerance of a goal [rad], equal to ``Task.heading_tolerance``."""
     articulation_margin: Angle = math.radians(1.0)
-    """No articulation comes nearer to its limit than this [rad]."""
+    """Least distance of an articulation from its limit [rad]."""
     shortlists: Steps = 40
-    """How many lists of candidates a HAV that is alone looks through for a path."""
+    """Number of lists of candidates that a lone HAV searches for a path."""
     margin: Distance = 0.3
-    """Distance [m] kept from others by what is planned; what is reserved may come nearer."""
+    """Margin of a planned path to others [m]. A reserved outline keeps a share of it."""
     part: Distance = 8.0
-    """How much of its path [m] a HAV reserves at a time."""
+    """Length of the part of a path that a HAV reserves at a time [m]."""
     horizon: Factor = 3.0
-    """How far ahead what others have reserved counts for a plan, in radii of the nose's circle."""
+    """Distance up to which a plan avoids the outlines of others [radii of the nose's circle]."""
     patience: Distance = 60.0
-    """How much longer than the shortest path [m] one may be, more after failures."""
+    """Maximum detour over the shortest candidate [m]. It grows by 20 % with each failed plan."""
     wait: Steps = 25
-    """Steps that a HAV stands blocked before it goes round its circle."""
+    """Time that a HAV stands blocked before it drives round its circle [steps]."""
     refresh: Distance = 15.0
-    """After how much of the rest to its goal [m] a HAV reserves anew what is left of it."""
+    """Distance after which a HAV on the rest to its goal reserves that anew [m]."""
     turns: Steps = 1
-    """HAVs reserve in turns of so many steps: with as many as HAVs, all may decide at once."""
+    """Round-robin period in which HAVs reserve [steps].
+
+    With a period of at least the number of HAVs, all may decide at the same time.
+    """
     broadcast: bool = True
-    """Whether HAVs hear what others have reserved; if not, they move where nobody is near."""
+    """Whether HAVs hear the outlines of others. Without them a HAV moves where nobody is near."""
     position_noise: Distance = 0.0
-    """How far off [m] the sensed positions of others may be; margins grow by it."""
+    """Largest error of the sensed positions of others [m]. Margins grow by it."""
     heading_noise: Angle = 0.0
-    """How far off [rad] their sensed headings may be; margins grow by what that displaces."""
+    """Largest error of their sensed headings [rad]. Margins grow by the displacement it causes."""
 
 
 @memory_size.register
 def _(policy: Reserve) -> int:
-    return ROWS
+    return m.ROWS
 
 
 @broadcast_size.register
 def _(policy: Reserve) -> int:
-    return BROADCAST
+    return m.BROADCAST
 
 
 @check_parameters.register
 def _(policy: Reserve, scenario) -> None:
-    if scenario.max_trailers > MOST_TRAILERS:
+    if scenario.max_trailers > sizes.MAX_TRAILERS:
         raise ValueError(
             f"scenario max_trailers is {scenario.max_trailers}, but Reserve drives HAVs with at"
-            f" most {MOST_TRAILERS}"
+            f" most {sizes.MAX_TRAILERS}"
         )
     if not policy.articulation_margin < scenario.articulation_max:
         raise ValueError(
@@ -94,7 +101,7 @@ def _(policy: Reserve, scenario, task, vehicle) -> None:
 
 @act.register(Reserve)
 def reserve(policy, memory, world, agent, lane):
-    """Follow the path that was reserved, or the one of a HAV that is alone in its world."""
+    """Return speed [m/s] and steering [rad] of a HAV, among others or alone in its world."""
     rows = contiguous(memory[agent, :, lane])
     if memory.shape[0] > 1:
         return act_among_others(policy, rows, memory, world, agent, lane)

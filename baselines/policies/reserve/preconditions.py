@@ -1,29 +1,38 @@
-"""What the theorems on Reserve assume of lengths, speeds and sensing, checked before it drives."""
+"""The checks of what the theorems on Reserve assume.
+
+They concern the lengths, the speeds and the sensing of a scenario, and run before a HAV drives.
+"""
 
 import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
-LEAST_MARGIN = 0.01  # [m] what is kept of it for a next part is far above rounding
-MOST_STEPS = 100_000  # of two turns of the widest circle: beyond, a decision takes seconds
+LEAST_MARGIN = 0.01  # [m] the smallest share of it that a HAV keeps is far above rounding
+MAX_CIRCLE_STEPS = 100_000  # of two turns of the widest circle; with more a decision takes seconds
+CIRCLE_FACTOR = 1.02  # radius of the endless circle over the least one: room for discrete steps
 
 
 class Extremes(NamedTuple):
     """The extremes of the HAVs of a scenario."""
 
-    shortest: float  # unit [m]
-    longest: float  # unit [m]
+    shortest: float
+    """Length of the shortest unit [m]."""
+    longest: float
+    """Length of the longest unit [m]."""
     trailers: int
-    speed_max: float  # [m/s]
-    steering_max: float  # [rad]
+    """Largest number of trailers."""
+    speed_max: float
+    """Maximum speed [m/s]."""
+    steering_max: float
+    """Maximum steering angle [rad]."""
 
 
 def extremes_of(scenario: Any) -> Extremes:
     """Return the extremes of the HAVs that a scenario can bring.
 
     Raises:
-        TypeError: when it does not tell them.
+        TypeError: The scenario does not have the attributes from which they follow.
     """
     fleet = getattr(scenario, "fleet", scenario)
     try:
@@ -47,11 +56,12 @@ def check_step(scenario: Any, policy: Any) -> None:
     """Check that a step is neither too long for the simulator nor too short to be predicted.
 
     Args:
-        scenario: who drives; policy: a Reserve.
+        scenario: The scenario, which has the lengths, limits and number of trailers.
+        policy: The Reserve that is to drive in it.
 
     Raises:
-        ValueError: naming the bound.
-        TypeError: as ``extremes_of``.
+        ValueError: A step is too long or too short. The message names the bound.
+        TypeError: As in ``extremes_of``.
     """
     found = extremes_of(scenario)
     step = found.speed_max * policy.dt
@@ -66,26 +76,32 @@ def check_step(scenario: Any, policy: Any) -> None:
     tightest = found.longest / math.tan(found.steering_max)
     bound = scenario.articulation_max - policy.articulation_margin
     bend = math.sin(min(bound, 0.5 * math.pi))
-    widest = 1.02 * max(tightest, found.longest * math.sqrt(found.trailers - 1 + 1.0 / bend**2))
-    least = 4.0 * math.pi * widest / MOST_STEPS
+    trailers = found.longest * math.sqrt(found.trailers - 1 + 1.0 / bend**2)
+    widest = CIRCLE_FACTOR * max(tightest, trailers)
+    least = 4.0 * math.pi * widest / MAX_CIRCLE_STEPS
     if not step >= least:
         raise ValueError(
             f"{driven}, but must be at least {least:.3g} m: Reserve predicts every step of two"
             f" turns of a circle of radius {widest:.4g} m, which steering_max"
             f" {found.steering_max:g} rad, {found.trailers} trailers and lengths up to"
-            f" {found.longest:g} m ask for, and at most {MOST_STEPS:,} steps"
+            f" {found.longest:g} m ask for, and at most {MAX_CIRCLE_STEPS:,} steps"
         )
 
 
 def check_range(scenario: Any, dt: float, sensing_range: float) -> None:
     """Check that HAVs sense each other before they can touch.
 
-    What circumscribes a HAV goes along with its truck's rear axle: two come nearer to each other by
-    no more than both drive.
+    The circle that circumscribes a HAV moves with its truck's rear axle. So two HAVs come nearer to
+    each other by no more than both drive.
+
+    Args:
+        scenario: The scenario, which has the maximum speed.
+        dt: Duration of a step [s].
+        sensing_range: Distance up to which HAVs sense each other [m].
 
     Raises:
-        ValueError: naming the bound.
-        TypeError: as ``extremes_of``.
+        ValueError: The range is too short. The message names the bound.
+        TypeError: As in ``extremes_of``.
     """
     least = 2.0 * extremes_of(scenario).speed_max * dt
     if scenario.num_havs > 1 and not sensing_range >= least:

@@ -1,141 +1,158 @@
-"""Where a HAV among others goes next: to its goal, to a random place, or round a circle."""
+"""The next path of a HAV among others: to its goal, to a random place, or round a circle."""
 
 import math
 
-from baselines.policies.reserve.memory.random_numbers import PLANS, dice
-from baselines.policies.reserve.memory.rows import (
-    ADOPTED,
-    BLOCKED,
-    CIRCLE,
-    DOOMED,
-    DRIVEN,
-    FAILED,
-    GATHERED,
-    GOAL,
-    GOAL_HEADING,
-    HELD,
-    MARGIN,
-    MODE,
-    OWN_FRONT,
-    PATH,
-    PLACE,
-    PURPOSE,
-    REFRESH,
-    SEGMENTS,
-    SIDE,
-    STANDING,
-    TRIAL,
-    TRIES,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import states
+from baselines.policies.reserve.memory.random_numbers import PLANS, random_key
 from baselines.policies.reserve.path_search import (
     MANY_FAILURES,
-    reserve_place,
+    reserve_circle_here,
     search,
     search_in_order,
 )
-from baselines.policies.reserve.perception.own_state import goal_seen, is_due
-from baselines.policies.reserve.prediction.holding_circle import enter_circle
+from baselines.policies.reserve.perception.own_state import is_due, sensed_goal
+from baselines.policies.reserve.prediction.holding_circle import SHIFTS, enter_circle
 from baselines.policies.reserve.prediction.paths import copy_path
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI
 from hav_env.maths.random_numbers import normal, uniform
 
-_DRAWS = 11  # random numbers of a plan
-_HOPELESS = 10  # times as long as a HAV waits, after which it gives up what it has reserved
-_MANY_PATHS = 15  # to the goal, after which those who are in each other's way make room
-KEEP = 0.02  # [m] margin that is enough to go on with what is reserved
+CONTINUE_MARGIN = 0.02  # [m] margin that is enough to go on with what is reserved
+TRY_PERIOD = 5  # steps from one attempt to begin, or to find a way out, to the next
+PLAN_PERIOD = 15  # steps from one plan of a moving HAV to the next: a plan costs the most time
+_WAITS_BEFORE_GIVING_UP = 10  # times ``policy.wait``, blocked, if the circle cannot be entered
+
+# A plan.
+_DRAWS_PER_PLAN = 11  # the largest number of a draw below, plus one
+_PATHS_BEFORE_ROOM = 15  # to a goal, after which a HAV makes room for others now and then
+_FAILURES_BEFORE_ROOM = 10  # plans that fail, with the same effect
+_ROOM_CHANCE = 0.4  # that a HAV after many paths considers to make room
+_PLACE_CHANCE = 0.5  # that a HAV that considers it does so: others in the way may do so as well
+_LEAST_SPREAD = 0.5  # of random places round the HAV [radii of the nose's circle]
+_SPREAD_AFTER_FAILURES = 3.0  # the same, in addition at most: near by there may be room
+_SPREAD_AFTER_PATHS = 8.0  # the same: far away from a place where HAVs block each other
+_EXACT_EVERY = 4  # failures: one of these plans leads to the goal's own pose
+_AIM_DISTANCE = 0.9  # of the distance tolerance: random aims round the goal, below 1 for rounding
+_AIM_TURN = 0.8  # of the heading tolerance, the same
+_AIM_MARGIN_SHARE = 0.5  # of ``policy.margin``: the most for a random aim
+_FAILURES_BEFORE_NARROW = 3  # plans that fail, after which two of three plans have less margin
+_NARROW_EVERY = 3
+_NARROW_SHARE, _NARROWER_SHARE = 0.5, 0.3  # of the margin, in these plans
+
+# An attempt to begin.
+_BEGIN_SHIFTS = 4  # straight distances before a circle to try: a HAV that stands has time
+_BEGIN_MARGIN_SHARE = 0.5  # of the plan's margin, for a circle from here
+_TRIES_BEFORE_NARROW, _TRIES_BEFORE_NARROWER = 10, 40  # with the whole margin; with the next share
+_BEGIN_NARROW_SHARE, _BEGIN_NARROWER_SHARE = 0.3, 0.2  # of ``policy.margin``: at a tight start
 
 
 @kernel
 def _adopt(rows, purpose, margin):
-    """Let the path that was tried be the one under way."""
-    copy_path(rows, PATH, TRIAL)
-    _, _, rows[GOAL_HEADING] = goal_seen(rows)
-    rows[DRIVEN], rows[PURPOSE], rows[REFRESH] = 0.0, purpose, 0.0
-    rows[MARGIN], rows[DOOMED] = margin, 0.0
-    rows[ADOPTED] += 1.0 if purpose == GOAL else 0.0
+    """Make the trial path the current one."""
+    copy_path(rows, m.CURRENT_PATH, m.TRIAL_PATH)
+    _, _, rows[m.PLANNED_GOAL_HEADING] = sensed_goal(rows)
+    rows[m.DRIVEN], rows[m.PURPOSE], rows[m.REFRESH] = 0.0, purpose, 0.0
+    rows[m.PLANNED_MARGIN], rows[m.DOOMED] = margin, 0.0
+    rows[m.ADOPTED] += 1.0 if purpose == states.GOAL_PATH else 0.0
 
 
 @rare_kernel
-def plan(policy, rows, margin):
-    """Look for a path and take it; return whether there is one.
+def plan_path(policy, rows, margin):
+    """Look for a path and take it. Return whether there is one.
 
-    After failures it leads to a random pose within the goal's tolerance, with other margins. After
-    many, or after many paths in vain, it leads to a random place now and then: those in the way may
-    have the same trouble.
+    After a failure the path leads to a random pose within the goal's tolerances, with another
+    margin. After many failures, or many paths to one goal, it leads to a random place now and then.
+    So HAVs that block each other make room.
     """
-    if (rows[GATHERED] == 0.0) | (not is_due(rows, policy.turns)):
+    if (rows[m.GATHERED] == 0.0) | (not is_due(rows, policy.turns)):
         return False
-    x, y, heading = goal_seen(rows)
-    seed, episode, stream, draw = dice(rows, PLANS, _DRAWS)
-    failed, purpose = int(rows[FAILED]), GOAL
-    in_vain = rows[ADOPTED] > _MANY_PATHS
-    lost = failed > 10 or (in_vain and uniform(seed, episode, stream, draw + 10) < 0.4)
-    if lost and uniform(seed, episode, stream, draw) < 0.5:
-        purpose = PLACE
-        farther = 8.0 if in_vain else 3.0
-        spread = rows[OWN_FRONT] * (0.5 + farther * uniform(seed, episode, stream, draw + 1))
+    x, y, heading = sensed_goal(rows)
+    seed, episode, stream, draw = random_key(rows, PLANS, _DRAWS_PER_PLAN)
+    failed, purpose = int(rows[m.FAILED]), states.GOAL_PATH
+    in_vain = rows[m.ADOPTED] > _PATHS_BEFORE_ROOM
+    makes_room = failed > _FAILURES_BEFORE_ROOM or (
+        in_vain and uniform(seed, episode, stream, draw + 10) < _ROOM_CHANCE
+    )
+    if makes_room and uniform(seed, episode, stream, draw) < _PLACE_CHANCE:
+        purpose = states.PLACE_PATH
+        farther = _SPREAD_AFTER_PATHS if in_vain else _SPREAD_AFTER_FAILURES
+        spread = rows[m.OWN_FRONT_RADIUS] * (
+            _LEAST_SPREAD + farther * uniform(seed, episode, stream, draw + 1)
+        )
         x = spread * normal(seed, episode, stream, draw + 2)
         y = spread * normal(seed, episode, stream, draw + 4)
         heading = TWO_PI * uniform(seed, episode, stream, draw + 6)
-    elif failed % 4 != 0:
+    elif failed % _EXACT_EVERY != 0:
         sine, cosine = sincos(TWO_PI * uniform(seed, episode, stream, draw + 7))
-        away = 0.9 * policy.distance_tolerance
+        away = _AIM_DISTANCE * policy.distance_tolerance
         away *= math.sqrt(uniform(seed, episode, stream, draw + 8))
         x, y = x + away * cosine, y + away * sine
-        turned = 1.6 * uniform(seed, episode, stream, draw + 9) - 0.8
+        turned = 2.0 * _AIM_TURN * uniform(seed, episode, stream, draw + 9) - _AIM_TURN
         heading += policy.heading_tolerance * turned
-        margin = min(margin, 0.5 * policy.margin)
-    if failed > 3 and failed % 3 != 0:
-        margin *= 0.5 if failed % 3 == 1 else 0.3
-    if (purpose == GOAL) & (failed > MANY_FAILURES) & (failed % 2 == 0):
+        margin = min(margin, _AIM_MARGIN_SHARE * policy.margin)
+    if failed > _FAILURES_BEFORE_NARROW and failed % _NARROW_EVERY != 0:
+        margin *= _NARROW_SHARE if failed % _NARROW_EVERY == 1 else _NARROWER_SHARE
+    if (purpose == states.GOAL_PATH) & (failed > MANY_FAILURES) & (failed % 2 == 0):
         found = search_in_order(policy, rows, x, y, heading, margin)
     else:
         found = search(policy, rows, x, y, heading, purpose, margin)
     if found:
         _adopt(rows, purpose, margin)
-        if purpose == GOAL:
-            rows[FAILED] = 0.0
+        if purpose == states.GOAL_PATH:
+            rows[m.FAILED] = 0.0
         return True
-    rows[FAILED] += 1.0
+    rows[m.FAILED] += 1.0
     return False
 
 
 @rare_kernel
-def begin(policy, rows):
-    """Try to begin moving: towards the goal, or at least round a circle."""
-    rows[TRIES] += 1.0
+def try_to_begin(policy, rows):
+    """Try to begin moving: along a path, or at least round a circle from here."""
+    rows[m.TRIES] += 1.0
     margin = policy.margin
-    if rows[TRIES] > 10.0:
-        margin *= 0.3 if rows[TRIES] <= 40.0 else 0.2
-    if plan(policy, rows, margin):
+    if rows[m.TRIES] > _TRIES_BEFORE_NARROW:
+        narrow = rows[m.TRIES] <= _TRIES_BEFORE_NARROWER
+        margin *= _BEGIN_NARROW_SHARE if narrow else _BEGIN_NARROWER_SHARE
+    if plan_path(policy, rows, margin):
         return
-    if rows[GATHERED] > 0.0 and reserve_place(policy, rows, 4, 0.5 * margin):
-        _stop_at_once(rows)
+    margin *= _BEGIN_MARGIN_SHARE
+    if rows[m.GATHERED] > 0.0 and reserve_circle_here(policy, rows, _BEGIN_SHIFTS, margin):
+        _leave_path(rows)
 
 
 @rare_kernel
 def find_way_out(policy, rows):
-    """Look for another path at intervals; meanwhile, after some time, go round the circle."""
-    blocked = int(rows[BLOCKED])
-    if (blocked == 0 or is_due(rows, 15)) and plan(policy, rows, policy.margin):
+    """Look for another path from time to time. After some time, enter the reserved circle.
+
+    A HAV that can do neither gives up what it has reserved in the end, and stands.
+    """
+    blocked = int(rows[m.BLOCKED])
+    if (blocked == 0 or is_due(rows, PLAN_PERIOD)) and plan_path(policy, rows, policy.margin):
         return
-    if blocked > 0 and not is_due(rows, 5):
+    if blocked > 0 and not is_due(rows, TRY_PERIOD):
         return
-    if rows[HELD] > 0.0 and rows[SIDE] != 0.0:
-        patient = rows[PURPOSE] != CIRCLE and blocked < policy.wait
+    if rows[m.HELD] > 0.0 and rows[m.CIRCLE_SIDE] != 0.0:
+        patient = rows[m.PURPOSE] != states.CIRCLE_PATH and blocked < policy.wait
         if not patient and enter_circle(rows):
-            _adopt(rows, CIRCLE, policy.margin)
-        elif blocked > _HOPELESS * policy.wait:
-            rows[MODE], rows[TRIES] = STANDING, 0.0
-    elif rows[GATHERED] > 0.0 and reserve_place(policy, rows, 2, KEEP):
-        _stop_at_once(rows)
+            _adopt(rows, states.CIRCLE_PATH, policy.margin)
+        elif blocked > _WAITS_BEFORE_GIVING_UP * policy.wait:
+            _give_up(rows)
+    elif rows[m.GATHERED] > 0.0 and reserve_circle_here(policy, rows, SHIFTS, CONTINUE_MARGIN):
+        _leave_path(rows)
     elif blocked > policy.wait:
-        rows[MODE], rows[TRIES] = STANDING, 0.0  # nobody need keep clear of more than the chain
+        _give_up(rows)
 
 
 @kernel
-def _stop_at_once(rows):
-    """Leave the path: what is reserved begins with a circle."""
-    rows[PATH + SEGMENTS], rows[PURPOSE], rows[DRIVEN] = 0.0, CIRCLE, 0.0
+def _leave_path(rows):
+    """Leave the current path: the HAV has reserved a circle that begins here."""
+    rows[m.CURRENT_PATH + m.NUM_SEGMENTS], rows[m.DRIVEN] = 0.0, 0.0
+    rows[m.PURPOSE] = states.CIRCLE_PATH
+
+
+@kernel
+def _give_up(rows):
+    """Give up what is reserved and stand: others keep clear of the chain only."""
+    rows[m.MODE], rows[m.TRIES] = states.STANDING, 0.0

@@ -1,36 +1,20 @@
-"""What a HAV reserves: an outline of all that it may occupy from now on, until it reserves anew.
+"""What a HAV reserves: an outline of all that it may occupy until it reserves anew.
 
-It reserves the next part of its path, and either a circle to drive on for ever behind it, or the
-rest of the path and the place where it stops at its goal. The part of the path is predicted step by
-step as the simulation will move the HAV, and every axle of every step is in the outline. Of the
-circle, the outline holds the disc that the truck's front axle drives round: an axle that is pulled
-moves towards the one ahead, so nothing leaves the convex hull of chain and disc.
+A HAV reserves either the next part of its path and a circle behind that, or the rest of the path
+and the place where it stops at its goal. It can drive on the circle without end.
 
-Reserved is what keeps a margin from everything that others have reserved, and from those who
-stand; by the same prediction where their outlines are too coarse to tell.
+The HAV predicts the part step by step, as the simulation will move it. The outline holds every axle
+of every step. Of the circle, the outline holds the disc of the truck's front axle. An axle that is
+pulled moves towards the one ahead, so nothing leaves the convex hull of chain and disc.
+
+An outline keeps a margin from the outlines of all others. It also keeps a margin from each HAV that
+stands, or else every predicted step does.
 """
 
-from baselines.policies.reserve.memory.rows import (
-    AFTER,
-    BEFORE,
-    BODY,
-    END,
-    HELD,
-    MODE,
-    OUTLINE,
-    OWN_BOUND,
-    OWN_SAG,
-    OWN_STEP,
-    PREFERRED,
-    RADIUS,
-    RESERVED,
-    SHIFT,
-    SIDE,
-    STANDING,
-    TRY,
-)
-from baselines.policies.reserve.perception.other_agents import apart, extent_of, is_overseen
-from baselines.policies.reserve.perception.own_state import goal_seen, is_due
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import states
+from baselines.policies.reserve.perception.other_agents import extent_of, is_covered, keeps_margin
+from baselines.policies.reserve.perception.own_state import is_due, sensed_goal
 from baselines.policies.reserve.prediction.chain import (
     include_axles,
     keeps_clear,
@@ -45,35 +29,41 @@ from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import wrap
 from hav_env.maths.kdop import SIDES, clear_outline, widen
 
-ROUNDING = 1e-6  # [m] that a path may be longer than its end says
+_NO_MARGIN = -1.0  # [m] HAVs that stand do not count while a part is predicted
+PATH_ROUNDING = 1e-6  # [m] that a step may lead beyond the end of the reserved part
 
 
 @rare_kernel
-def sweep(policy, rows, path, driven, heading, end, stop, margin):
-    """Predict the next part of a path; write its outline into ``TRY``, the last chain and axles.
+def predict_part(policy, rows, path, driven, heading, end, stop, margin):
+    """Predict the next part of a path, and write its outline into ``TRIAL_OUTLINE``.
+
+    The outline is wider than the convex hull of all axles by the sag. So it holds the chain between
+    the steps too. The predicted chain and its axles are left as they are at the end.
 
     Args:
-        path: where it stands; driven: how much of it is done [m].
-        heading: of the truck less that of the path's start [rad], by whole turns.
-        end: up to where [m]; stop: whether to go on to the goal instead.
-        margin: to be kept from those that stand and are close [m]; negative: do not look.
-
-    The outline is wider than the axles need by what they may leave the straight ways from step to
-    step, so it holds the chain between steps too.
+        policy: The Reserve.
+        rows: The HAV's memory.
+        path: First row of the path.
+        driven: Distance driven along it [m].
+        heading: Truck's heading less that of the path's start [rad], up to whole turns.
+        end: Distance along the path at which the part ends [m].
+        stop: Whether the part ends at the goal instead.
+        margin: Margin to those that stand and are close [m]. They do not count if it is negative.
 
     Returns:
-        Whether all went well, x, y [m], heading [rad] in the own frame, and driven [m].
+        Whether the part can be driven, then x [m], y [m] and heading [rad] at its end in the own
+        frame, and the distance along the path there [m].
     """
-    goal_x, goal_y, goal_heading = goal_seen(rows)
-    bound = rows[OWN_BOUND]
-    distance = rows[OWN_STEP]
+    goal_x, goal_y, goal_heading = sensed_goal(rows)
+    bound = rows[m.OWN_LEAST_COSINE]
+    distance = rows[m.OWN_STEP]
     total = total_length(rows, path)
     sense_chain(rows)
     place_axles(rows, 0.0, 0.0)
-    clear_outline(rows, TRY)
-    include_axles(rows, TRY)
+    clear_outline(rows, m.TRIAL_OUTLINE)
+    include_axles(rows, m.TRIAL_OUTLINE)
     x, y, turned, least = 0.0, 0.0, 0.0, 1.0
-    while stop or driven + distance <= end + ROUNDING:
+    while stop or driven + distance <= end + PATH_ROUNDING:
         if driven > total:
             return False, x, y, turned, driven
         wanted = heading_at(rows, path, driven + 0.5 * distance)
@@ -83,64 +73,105 @@ def sweep(policy, rows, path, driven, heading, end, stop, margin):
         if least < bound:
             return False, x, y, turned, driven
         move_axles(rows, x, y)
-        include_axles(rows, TRY)
+        include_axles(rows, m.TRIAL_OUTLINE)
         if margin >= 0.0 and not keeps_clear(rows, margin):
             return False, x, y, turned, driven
         if stop and hits_goal(policy, goal_x - x, goal_y - y, goal_heading - turned, SURELY):
             break
-    widen(rows, TRY, rows[OWN_SAG])
+    widen(rows, m.TRIAL_OUTLINE, rows[m.OWN_SAG])
     return True, x, y, turned, driven
 
 
 @rare_kernel
 def reserve_rest(policy, rows, path, driven, heading, margin):
-    """Reserve the rest of a path and the place at its goal; return whether that is possible."""
+    """Reserve the rest of a path to its goal, where the HAV stops.
+
+    Args:
+        policy: The Reserve.
+        rows: The HAV's memory.
+        path: First row of the path.
+        driven: Distance driven along it [m].
+        heading: Truck's heading less that of the path's start [rad], up to whole turns.
+        margin: Margin to all others [m].
+
+    Returns:
+        Whether that is possible.
+    """
     if not is_due(rows, policy.turns):
         return False
-    ok, _, _, _, end = sweep(policy, rows, path, driven, heading, 0.0, True, -1.0)
-    if not (ok and is_overseen(rows, TRY, margin) and apart(rows, TRY, RESERVED, margin)):
+    ok, _, _, _, end = predict_part(policy, rows, path, driven, heading, 0.0, True, _NO_MARGIN)
+    if not (
+        ok
+        and is_covered(rows, m.TRIAL_OUTLINE, margin)
+        and keeps_margin(rows, m.TRIAL_OUTLINE, states.RESERVED, margin)
+    ):
         return False
-    if not apart(rows, TRY, STANDING, margin):
-        ok, _, _, _, end = sweep(policy, rows, path, driven, heading, 0.0, True, margin)
+    if not keeps_margin(rows, m.TRIAL_OUTLINE, states.STANDING, margin):
+        ok, _, _, _, end = predict_part(policy, rows, path, driven, heading, 0.0, True, margin)
         if not ok:
             return False
-    _write(rows, end, 0.0, 0.0)
+    _commit(rows, end, 0.0, 0.0)
     return True
 
 
 @rare_kernel
 def reserve_circle(policy, rows, path, driven, heading, end, shifts, margin):
-    """Reserve a path up to ``end`` [m] and a circle behind it; return whether that is possible.
+    """Reserve a path up to ``end`` and a circle behind it.
 
     Args:
-        shifts: as in ``find_circle``; others: as in ``sweep``.
+        policy: The Reserve.
+        rows: The HAV's memory.
+        path: First row of the path.
+        driven: Distance driven along it [m].
+        heading: Truck's heading less that of the path's start [rad], up to whole turns.
+        end: Distance along the path at which the part ends [m].
+        shifts: Number of straight distances before the circle to try, as in ``find_circle``.
+        margin: Margin to all others [m].
+
+    Returns:
+        Whether that is possible.
     """
     if not is_due(rows, policy.turns):
         return False
-    ok, x, y, turned, _ = sweep(policy, rows, path, driven, heading, end, False, -1.0)
-    if not ok or not apart(rows, TRY, RESERVED, margin):
+    ok, x, y, turned, _ = predict_part(policy, rows, path, driven, heading, end, False, _NO_MARGIN)
+    if not ok or not keeps_margin(rows, m.TRIAL_OUTLINE, states.RESERVED, margin):
         return False
     for side in range(SIDES):
-        rows[BODY + side] = rows[TRY + side]
-    if not apart(rows, BODY, STANDING, margin):
-        ok, x, y, turned, _ = sweep(policy, rows, path, driven, heading, end, False, margin)
+        rows[m.BODY_OUTLINE + side] = rows[m.TRIAL_OUTLINE + side]
+    if not keeps_margin(rows, m.BODY_OUTLINE, states.STANDING, margin):
+        ok, x, y, turned, _ = predict_part(policy, rows, path, driven, heading, end, False, margin)
         if not ok:
             return False
     side, shift = find_circle(policy, rows, x, y, turned, shifts, margin, True)
     if side == 0.0:
         return False
-    _write(rows, end, side, shift)
+    _commit(rows, end, side, shift)
     return True
 
 
 @kernel
-def _write(rows, end, side, shift):
-    """Broadcast ``TRY`` as what is reserved, in the truck's frame as it is now."""
+def _commit(rows, end, side, shift):
+    """Reserve and broadcast ``TRIAL_OUTLINE``, in the truck's frame as it is now."""
     for number in range(SIDES):
-        rows[OUTLINE + number] = rows[TRY + number]
-    rows[RADIUS], rows[MODE] = extent_of(rows, OUTLINE), RESERVED
-    rows[BEFORE], rows[BEFORE + 1], rows[BEFORE + 2], rows[BEFORE + 3] = 0.0, 0.0, 1.0, 0.0
-    rows[AFTER], rows[AFTER + 1], rows[AFTER + 2], rows[AFTER + 3] = 0.0, 0.0, 1.0, 0.0
-    rows[END], rows[SIDE], rows[SHIFT], rows[HELD] = end, side, shift, 1.0
+        rows[m.OUTLINE + number] = rows[m.TRIAL_OUTLINE + number]
+    rows[m.OUTLINE_RADIUS], rows[m.MODE] = extent_of(rows, m.OUTLINE), states.RESERVED
+    (
+        rows[m.FRAME_BEFORE],
+        rows[m.FRAME_BEFORE + 1],
+        rows[m.FRAME_BEFORE + 2],
+        rows[m.FRAME_BEFORE + 3],
+    ) = 0.0, 0.0, 1.0, 0.0
+    (
+        rows[m.FRAME_AFTER],
+        rows[m.FRAME_AFTER + 1],
+        rows[m.FRAME_AFTER + 2],
+        rows[m.FRAME_AFTER + 3],
+    ) = 0.0, 0.0, 1.0, 0.0
+    rows[m.PART_END], rows[m.CIRCLE_SIDE], rows[m.CIRCLE_SHIFT], rows[m.HELD] = (
+        end,
+        side,
+        shift,
+        1.0,
+    )
     if side != 0.0:
-        rows[PREFERRED] = side
+        rows[m.PREFERRED_SIDE] = side

@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from baselines.policies.reserve import Reserve
-from baselines.policies.reserve.memory.rows import BROADCAST
+from baselines.policies.reserve.memory import rows as m
 from hav_env import PlacementError, RandomFleet, RandomPoses, Task
 from tests.support.audit import drive
 from tests.support.budgets import COMPILED, budget
@@ -76,7 +76,7 @@ class Others:
         self.first, self.fastest = first, fastest
 
     def __call__(self, step, memory, speed, steering):
-        memory[self.first :, :BROADCAST] = 0.0
+        memory[self.first :, : m.BROADCAST] = 0.0
         shape = speed[self.first :].shape
         speed[self.first :] = self.fastest * self.random.random(shape)
         steering[self.first :] = self.random.uniform(-1.0, 1.0, shape)

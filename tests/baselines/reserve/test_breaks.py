@@ -6,16 +6,9 @@ import numpy as np
 import pytest
 
 from baselines.policies.reserve import Reserve
-from baselines.policies.reserve.memory.rows import (
-    CLEAR,
-    HELD,
-    MODE,
-    NUM_SLOTS,
-    RADIUS,
-    RESERVED,
-    STRANGERS,
-)
-from baselines.policies.reserve.multi_agent import _look_again
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import states
+from baselines.policies.reserve.multi_agent import _recheck_reservation
 from hav_env import Batch, RandomFleet, RandomPoses, Task, explicit
 from hav_env.policies.driver import PolicyDriver
 from tests.baselines.reserve.test_attacks import Others, Stops
@@ -80,11 +73,11 @@ def test_nothing_is_reserved_anew_where_not_everybody_had_a_slot():
     for _ in range(3):
         batch.step(*driver.decide())
     rows = np.ascontiguousarray(driver.memory[0, :, 0])
-    assert rows[MODE] == RESERVED
-    rows[NUM_SLOTS], rows[STRANGERS], rows[CLEAR] = 0.0, 1.0, 10.0
-    assert rows[RADIUS] > 10.0
-    _look_again(Reserve(), rows)
-    assert rows[HELD] == 0.0
+    assert rows[m.MODE] == states.RESERVED
+    rows[m.NUM_SLOTS], rows[m.NEWCOMERS], rows[m.COVERED_RADIUS] = 0.0, 1.0, 10.0
+    assert rows[m.OUTLINE_RADIUS] > 10.0
+    _recheck_reservation(Reserve(), rows)
+    assert rows[m.HELD] == 0.0
 
 
 def test_more_others_than_slots():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from baselines.policies.reserve import Reserve
-from baselines.policies.reserve.memory.random_numbers import NOISE, PLACES, PLANS, dice
-from baselines.policies.reserve.memory.rows import OWN_DICE, OWN_NUMBER, ROWS
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory.random_numbers import NOISE, PLACES, PLANS, random_key
 from hav_env import RandomFleet, RandomPoses, Task, explicit
 from hav_env.evaluation.rollout import rollout
 from tests.support.audit import drive
@@ -62,12 +62,12 @@ def test_in_a_dense_grid_everybody_sets_off_and_nobody_collides():
 
 def test_streams_of_random_numbers_do_not_overlap():
     """They did with more than 106 neighbours, whose noise ran into the draws of the next step."""
-    rows, seen = np.zeros(ROWS), set()
+    rows, seen = np.zeros(m.ROWS), set()
     for number in range(40):
         for step in range(4):
-            rows[OWN_NUMBER], rows[OWN_DICE + 2] = number, step
+            rows[m.OWN_NUMBER], rows[m.OWN_RANDOM_KEY + 2] = number, step
             for purpose, draws in ((PLANS, 11), (PLACES, 192), (NOISE, 3 * 1_000)):
-                _, _, stream, first = dice(rows, purpose, draws)
+                _, _, stream, first = random_key(rows, purpose, draws)
                 assert stream > 0  # the scenario's
                 mine = {(stream, first), (stream, first + draws - 1)}
                 assert not seen & mine

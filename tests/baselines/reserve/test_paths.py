@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from baselines.policies.reserve.memory.rows import PATH, ROWS
+from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.prediction.paths import (
     append,
     circles_path,
@@ -58,14 +58,16 @@ def test_with_one_radius_none_is_shorter_than_the_dubins_path(x, y, heading, r):
 
 @given(st.lists(st.tuples(st.floats(-0.5, 0.5), st.floats(0.1, 50.0)), max_size=7))
 def test_the_heading_along_a_path_is_the_sum_of_its_turns(path):
-    rows = np.zeros(ROWS)
+    rows = np.zeros(m.ROWS)
     for curvature, length in path:
-        append(rows, PATH, curvature, length)
+        append(rows, m.CURRENT_PATH, curvature, length)
     total = sum(length for _, length in path)
-    assert total_length(rows, PATH) == pytest.approx(total)
+    assert total_length(rows, m.CURRENT_PATH) == pytest.approx(total)
     turned = sum(curvature * length for curvature, length in path)
-    assert heading_at(rows, PATH, total + 1.0) == pytest.approx(turned)
+    assert heading_at(rows, m.CURRENT_PATH, total + 1.0) == pytest.approx(turned)
     if path:
         curvature, length = path[0]
-        assert heading_at(rows, PATH, 0.5 * length) == pytest.approx(0.5 * curvature * length)
-    assert heading_at(rows, PATH, -1.0) == 0.0
+        assert heading_at(rows, m.CURRENT_PATH, 0.5 * length) == pytest.approx(
+            0.5 * curvature * length
+        )
+    assert heading_at(rows, m.CURRENT_PATH, -1.0) == 0.0

@@ -1,28 +1,34 @@
-"""Random numbers of a HAV under Reserve: a stream of the episode for each HAV and purpose.
+"""Random numbers of a HAV under Reserve: a stream of the episode for each HAV and use.
 
 Streams do not overlap, whatever the number of HAVs. Within a stream every step has draws of its
-own; they come again only when their number passes 2**32.
+own. They repeat only when their number passes 2**32.
 """
 
-from baselines.policies.reserve.memory.rows import OWN_DICE, OWN_NUMBER
+from baselines.policies.reserve.memory import rows as m
 from hav_env.compiled import kernel
 
-PLANS, PLACES, NOISE = range(3)  # purposes: where to aim, by way of which places, what is sensed
-_PURPOSES = 3
+# Uses of random numbers: the aim of a plan, the waypoints of candidates, the noise of sensing.
+PLANS, PLACES, NOISE = range(3)
+_NUM_USES = 3
 
 
 @kernel
-def dice(rows, purpose, draws):
-    """Return what the random numbers of a purpose depend on in this step.
+def random_key(rows, use, draws):
+    """Return the key of the random numbers of one use in this step.
 
     Args:
-        rows: the HAV's memory.
-        purpose: PLANS .. NOISE.
-        draws: how many the purpose takes in a step at most, the same in every step.
+        rows: The HAV's memory.
+        use: PLANS, PLACES or NOISE.
+        draws: Largest number of draws of this use in a step, the same in every step.
 
     Returns:
         Seed, episode, stream and the first draw of the step.
     """
-    # stream 0 is the scenario's
-    stream = _PURPOSES * int(rows[OWN_NUMBER]) + purpose + 1
-    return int(rows[OWN_DICE]), int(rows[OWN_DICE + 1]), stream, draws * int(rows[OWN_DICE + 2])
+    # stream 0 belongs to the scenario
+    stream = _NUM_USES * int(rows[m.OWN_NUMBER]) + use + 1
+    return (
+        int(rows[m.OWN_RANDOM_KEY]),
+        int(rows[m.OWN_RANDOM_KEY + 1]),
+        stream,
+        draws * int(rows[m.OWN_RANDOM_KEY + 2]),
+    )

@@ -1,26 +1,30 @@
-"""What a HAV under the policy Reserve remembers: the rows of its memory, by name.
+"""The rows of the memory of a HAV under Reserve, by name.
 
-The first rows are its broadcast: what other HAVs may read, through
-``hav_env.policies.interface.heard``. The others are its own: what it is committed to, and scratch
-in which plans are worked out.
+The first rows are the broadcast. Other HAVs read them through
+``hav_env.policies.interface.heard``. The next rows are the HAV's own: its path, what it has
+reserved, and what it senses. The last rows are scratch, in which a plan is worked out.
+
+A comment gives the unit in square brackets and the range. A *flag* is 0.0 or 1.0. A *count* is a
+whole number from 0.0. Modules import this one as ``m`` and write ``rows[m.DRIVEN]``.
 """
 
+from baselines.policies.reserve.memory.sizes import (
+    LINK_CORNERS,
+    MAX_KNOWN,
+    MAX_SEGMENTS,
+    MAX_UNITS,
+    SHORTLIST_SIZE,
+    SLOT_COUNT,
+    TURN_RADII,
+)
 from hav_env.maths.kdop import SIDES
-
-MOST_TRAILERS = 10
-MOST_UNITS = MOST_TRAILERS + 1
-MOST_SEGMENTS = 10  # of a path: arcs and straights
-RADII = 8  # of tight turns that are tried
-SHORTLIST = 48  # candidates that are looked at before the next ones are looked for
-SLOTS = 24  # others that a plan takes into account: the nearest
-MOST_KNOWN = 128  # others whose numbers are remembered
-WAYPOINTS = 24  # poses by way of which a path may lead
 
 
 class _Counter:
     """Counts rows."""
 
     def __init__(self) -> None:
+        """Begin with row 0."""
         self.rows = 0
 
     def next(self, count: int = 1) -> int:
@@ -32,103 +36,113 @@ class _Counter:
 _counter = _Counter()
 _next = _counter.next
 
-# The broadcast.
-STAMP = _next()  # 1 + the step in which it was written; 0: never
-MODE = _next()  # STANDING, RESERVED or ARRIVED
-BEFORE = _next(4)  # frame of the outline, seen from the truck before the step of STAMP
-AFTER = _next(4)  # the same after that step: x [m], y [m], cosine, sine of its heading
-RADIUS = _next()  # round the frame's origin, which holds the outline [m]
-OUTLINE = _next(SIDES)  # of all that the HAV may occupy until it reserves anew [m]
-BROADCAST = _counter.rows
-STANDING, RESERVED, ARRIVED = 0.0, 1.0, 2.0
+# The broadcast. A frame is x [m], y [m], cosine and sine of its heading, seen from the truck.
+STAMP = _next()  # 1 + the step of the last broadcast, or 0.0 before the first one
+MODE = _next()  # state of the HAV: STANDING, RESERVED or ARRIVED
+FRAME_BEFORE = _next(4)  # frame of the outline before the step of STAMP
+FRAME_AFTER = _next(4)  # frame of the outline after the step of STAMP
+OUTLINE_RADIUS = _next()  # distance of the outline's farthest corner from its frame [m], >= 0
+OUTLINE = _next(SIDES)  # extents of the reserved outline in its frame [m]
+BROADCAST = _counter.rows  # number of rows of the broadcast
 
-# A path: how many segments, curvature [1/m] and length [m] of each.
-SEGMENTS, CURVATURES, LENGTHS = 0, 1, 1 + MOST_SEGMENTS
-_PATH_ROWS = 1 + 2 * MOST_SEGMENTS
-PATH = _next(_PATH_ROWS)  # the path under way, from where it was planned
-TRIAL = _next(_PATH_ROWS)  # one that is being tried
-DRIVEN = _next()  # how much of the path is done [m]
-GOAL_HEADING = _next()  # of the goal in the truck's frame when the path was planned [rad]
-GOALS_LEFT = _next()  # when the path was planned
-PAUSE = _next()  # steps until the next plan is made
+# The layout of a path, in rows from its first one.
+NUM_SEGMENTS = 0  # count of segments, at most MAX_SEGMENTS
+CURVATURES = 1  # curvature of each segment [1/m], positive to the left
+LENGTHS = 1 + MAX_SEGMENTS  # length of each segment [m], > 0
+_PATH_ROWS = 1 + 2 * MAX_SEGMENTS
 
-# What is reserved: the path up to a distance, and what may follow for ever.
-END = _next()  # [m] along the path
-SIDE = _next()  # of the circle that may follow, 1.0 left, -1.0 right; 0.0: stop at the goal
-SHIFT = _next()  # straight on before the circle [m]
-PURPOSE = _next()  # of the path: GOAL, PLACE or CIRCLE
-HELD = _next()  # 1.0 when what is reserved is disjoint from all that is sensed
-KNOWN = _next()  # a number that changes with who of those in sensing range stands
-PREFERRED = _next()  # side
-BLOCKED = _next()  # steps without moving
-FAILED = _next()  # plans that were not found
-TRIES = _next()  # to begin moving
-ADOPTED = _next()  # paths to the goal that were taken
-EXPLORED = _next()  # sequences that were tried as a last resort
-MARGIN = _next()  # with which the path was planned [m]
-COMPANY = _next()  # how many others are near
-COMPANIONS = _next(MOST_KNOWN)  # their numbers
-DOOMED = _next()  # 1.0 when somebody stands in the way farther on
-REFRESH = _next()  # [m] of the path from which on the rest is reserved anew
-GOAL, PLACE, CIRCLE = 0.0, 1.0, 2.0
+# The path of the HAV.
+CURRENT_PATH = _next(_PATH_ROWS)  # path that the HAV follows, from where it was planned
+TRIAL_PATH = _next(_PATH_ROWS)  # path that is being tested
+DRIVEN = _next()  # distance driven along the current path [m]
+PLANNED_GOAL_HEADING = _next()  # goal's heading relative to the truck's at the last plan [rad]
+PLANNED_GOALS_LEFT = _next()  # count of goals left when the HAV set out for this one
+PAUSE = _next()  # steps until a lone HAV plans again
+
+# The reservation: the path up to PART_END, then a circle or the stop at the goal.
+PART_END = _next()  # end of the reserved part, as a distance along the path [m]
+CIRCLE_SIDE = _next()  # side of the reserved circle: 1.0 left, -1.0 right, 0.0 none
+CIRCLE_SHIFT = _next()  # straight distance from PART_END to the reserved circle [m], >= 0
+PURPOSE = _next()  # purpose of the path: GOAL_PATH, PLACE_PATH or CIRCLE_PATH
+HELD = _next()  # flag: the outline is disjoint from every outline that the HAV senses
+KNOWN = _next()  # hash of the numbers and states of the neighbours near by
+PREFERRED_SIDE = _next()  # side of the circle that is tried first: 1.0 left, -1.0 right
+BLOCKED = _next()  # count of steps in a row that the HAV has stood with an outline reserved
+FAILED = _next()  # count of failed plans since the last path to the goal
+TRIES = _next()  # count of attempts to begin moving
+ADOPTED = _next()  # count of paths to the goal that the HAV has set out on
+EXPLORED = _next()  # number of the next sequence of pieces to try, below SEQUENCES
+PLANNED_MARGIN = _next()  # margin to others with which the path was planned [m]
+NUM_NEAR = _next()  # count of neighbours near by, when they were last noted
+NEAR_NUMBERS = _next(MAX_KNOWN)  # numbers of those neighbours
+DOOMED = _next()  # flag: a stationary HAV blocks the path ahead
+REFRESH = _next()  # distance along the path at which the rest is reserved anew [m]
 
 # What the HAV senses of itself.
-OWN_NUMBER = _next()
-OWN_TRAILERS = _next()  # how many
-OWN_LENGTHS = _next(MOST_UNITS)  # [m]
-OWN_JOINTS = _next(2 * MOST_UNITS)  # cosine and sine of every articulation, from the first on
-OWN_REACH = _next()  # round the truck's rear axle, which holds the whole HAV [m]
-OWN_FOOTPRINT = _next()  # [m]
-OWN_STEP = _next()  # what it drives in a step [m]; 0.0 until it has sensed itself
-OWN_STEEPEST = _next()  # tangent of the maximum steering angle
-OWN_BOUND = _next()  # cosine of the largest articulation that is allowed
-OWN_WINDOW = _next()  # change of an articulation that may fold a joint through [rad]
-OWN_TIGHTEST = _next()  # radius of the truck's tightest circle, l^0 / tan(phi^max) [m]
-OWN_HITCH = _next()  # least radius on which trailers can follow for good [m]
-OWN_CIRCLE = _next()  # radius of the circle that can be driven on for ever [m]
-OWN_SAG = _next()  # how far an axle leaves the way from step to step, at most [m]
-OWN_STRIDE = _next()  # how far a point of the chain moves in a step, at most [m]
-OWN_REAR = _next()  # radii on which rear and front axle of the truck drive round its centre [m]
-OWN_FRONT = _next()
-OWN_GOAL = _next(5)  # the goal under way: forward, left [m], heading [rad], its cosine and sine
-OWN_GOALS_LEFT = _next()
-OWN_DICE = _next(3)  # seed, episode and step
-GATHERED = _next()  # 1.0 when the others were gathered in this step
-CLEAR = _next()  # round the truck's rear axle, within which nobody reaches who is in no slot [m]
-STRANGERS = _next()  # others in no slot who were not near when that was last noted
+OWN_NUMBER = _next()  # number of the HAV, from 0.0
+OWN_TRAILERS = _next()  # count of trailers, at most MAX_TRAILERS
+OWN_LENGTHS = _next(MAX_UNITS)  # length of each unit, the truck first [m]
+OWN_JOINTS = _next(2 * MAX_UNITS)  # cosine and sine of each articulation, the first one first
+OWN_REACH = _next()  # radius round the truck's rear axle that holds the whole HAV [m]
+OWN_FOOTPRINT = _next()  # sum of the trailers' lengths and a share of the truck's [m]
+OWN_STEP = _next()  # distance of a step [m], > 0, or 0.0 before the HAV has sensed itself
+OWN_STEERING_TANGENT = _next()  # tangent of the maximum steering angle, > 0
+OWN_LEAST_COSINE = _next()  # cosine of the largest allowed articulation
+OWN_FOLD_TURN = _next()  # least change of an articulation that may fold a joint through [rad]
+OWN_TRUCK_RADIUS = _next()  # radius of the truck's tightest circle, l^0 / tan(phi^max) [m]
+OWN_TRAILER_RADIUS = _next()  # least radius on which the trailers can follow without end [m]
+OWN_CIRCLE_RADIUS = _next()  # radius of the circle that the HAV can drive on without end [m]
+OWN_SAG = _next()  # largest distance of an axle from its straight way within a step [m]
+OWN_STRIDE = _next()  # largest distance that a point of the chain moves in a step [m]
+OWN_REAR_RADIUS = _next()  # radius of the truck's rear axle round the circle's centre [m]
+OWN_FRONT_RADIUS = _next()  # radius of the truck's front axle round the circle's centre [m]
+OWN_GOAL = _next(5)  # goal: forward [m], left [m], relative heading [rad], its cosine and sine
+OWN_GOALS_LEFT = _next()  # count of goals left
+OWN_RANDOM_KEY = _next(3)  # seed, episode and step of the random numbers
+GATHERED = _next()  # flag: the HAV has written the slots in this step
+COVERED_RADIUS = _next()  # radius round the truck's rear axle that nobody without a slot enters [m]
+NEWCOMERS = _next()  # count of others without a slot that have come near since the last note
 
-# Scratch: a chain that is predicted (cosine, sine of each unit), its axles (x, y), where they were
-# a step before, and the corners of what a link sweeps in that step.
-CHAIN = _next(2 * MOST_UNITS)
-AXLES = _next(2 * (MOST_UNITS + 1))
-WERE = _next(2 * (MOST_UNITS + 1))
-SWEPT = _next(2 * 5)
-KEPT_CHAIN = _next(2 * MOST_UNITS)
-KEPT_AXLES = _next(2 * (MOST_UNITS + 1))
-# Scratch of the tight turns: how far [rad] an arc of each radius may turn, first and last.
-FIRST_LEFT = _next(RADII)
-FIRST_RIGHT = _next(RADII)
-LAST = _next(RADII)
-# Scratch: the shortest candidates, their lengths [m] and numbers.
-LENGTH_OF = _next(SHORTLIST)
-NUMBER_OF = _next(SHORTLIST)
+# Scratch of a prediction.
+PREDICTED_CHAIN = _next(2 * MAX_UNITS)  # cosine and sine of each unit's heading
+AXLES = _next(2 * (MAX_UNITS + 1))  # x and y of each axle, the front one first [m]
+PREVIOUS_AXLES = _next(2 * (MAX_UNITS + 1))  # the same a step before [m]
+SWEPT_CORNERS = _next(2 * LINK_CORNERS)  # corners of a set that holds a link during a step [m]
+SAVED_CHAIN = _next(2 * MAX_UNITS)  # copy of PREDICTED_CHAIN
+SAVED_AXLES = _next(2 * (MAX_UNITS + 1))  # copy of AXLES [m]
+
+# Scratch of a lone HAV: the longest arc of each radius that keeps all articulations allowed.
+FIRST_TURNS_LEFT = _next(TURN_RADII)  # angle of an arc to the left from here [rad]
+FIRST_TURNS_RIGHT = _next(TURN_RADII)  # angle of an arc to the right from here [rad]
+LAST_TURNS = _next(TURN_RADII)  # angle of an arc that a straight chain begins [rad]
+
+# Scratch: the shortest candidates, sorted by length.
+LISTED_LENGTHS = _next(SHORTLIST_SIZE)  # length of each candidate [m]
+LISTED_NUMBERS = _next(SHORTLIST_SIZE)  # number of each candidate
+
 # Scratch: outlines.
-TRY = _next(SIDES)  # of what is to be reserved
-BODY = _next(SIDES)  # of the chain alone
-TURNED = _next(SIDES)  # an own outline in another HAV's frame
-# Scratch: the others near by, a slot each: what it is, where its frame is, its outline there and in
-# the own frame, how many axles.
-NUM_SLOTS = _next()
-NUM_RESTLESS = _next()  # of them who are not at their goals
-CLOSE = (
-    5  # in the slot of one that stands, which has no outline of its own: whether to look closely
-)
-KIND, FRAME, RAW, SEEN, NUM_AXLES = 0, 1, 5, 5 + SIDES, 5 + 2 * SIDES
-NUMBER = NUM_AXLES + 1  # of that HAV
-DOUBT = NUM_AXLES + 2  # how far off it may be sensed [m]
-SAG, STRIDE = NUM_AXLES + 3, NUM_AXLES + 4  # of one that stands, if it should set off [m]
-SLOT_AXLES = NUM_AXLES + 5
-SLOT_ROWS = SLOT_AXLES + 2 * (MOST_UNITS + 1)
-SLOT = _next(SLOTS * SLOT_ROWS)
+TRIAL_OUTLINE = _next(SIDES)  # extents of what is to be reserved [m]
+BODY_OUTLINE = _next(SIDES)  # extents of what comes before the circle, or of the chain alone [m]
+TURNED_OUTLINE = _next(SIDES)  # extents of an outline in another frame [m]
 
-ROWS = _counter.rows
+# Scratch: the nearest others, a slot each.
+NUM_SLOTS = _next()  # count of slots in use, at most SLOT_COUNT
+NUM_UNARRIVED = _next()  # count of others in slots that have not arrived at their goals
+
+# The layout of a slot, in rows from its first one.
+SLOT_KIND = 0  # state of the other HAV: STANDING or RESERVED
+SLOT_FRAME = 1  # frame of its outline in the own frame: x [m], y [m], cosine, sine
+SLOT_BROADCAST_OUTLINE = 5  # extents of its outline in its frame [m]
+SLOT_CLOSE = 5  # flag of one that stands and so has no broadcast outline: its chain is close
+SLOT_OUTLINE = SLOT_BROADCAST_OUTLINE + SIDES  # extents of its outline in the own frame [m]
+SLOT_NUM_AXLES = SLOT_OUTLINE + SIDES  # count of its axles if it stands
+SLOT_NUMBER = SLOT_NUM_AXLES + 1  # its number
+SLOT_ERROR = SLOT_NUM_AXLES + 2  # largest error of its sensed position [m], >= 0
+SLOT_SAG = SLOT_NUM_AXLES + 3  # its largest sag if it stands and then begins to move [m]
+SLOT_STRIDE = SLOT_NUM_AXLES + 4  # its largest stride if it stands and then begins to move [m]
+SLOT_AXLES = SLOT_NUM_AXLES + 5  # x and y of each of its axles if it stands [m]
+SLOT_ROWS = SLOT_AXLES + 2 * (MAX_UNITS + 1)  # number of rows of a slot
+
+FIRST_SLOT = _next(SLOT_COUNT * SLOT_ROWS)
+
+ROWS = _counter.rows  # number of rows of the memory

@@ -1,47 +1,19 @@
-"""Who is near a HAV under Reserve, and what of them it senses and hears: a slot for each.
+"""What a HAV under Reserve senses and hears of the others near it, written into slots.
 
-However many there are, the nearest get slots, and the HAV knows how far round it that is all.
+The nearest others get a slot each. The HAV also writes the radius within which nobody else is.
 
-What an other one reserved is an outline in a frame of its own; it is heard where that frame is from
-that one's truck, before its last step and after it, and sensed where the truck is. Who reserved
-nothing stands where it is.
+Another HAV broadcasts its outline, and the outline's frame as seen from its truck before and after
+its last step. The HAV senses where that truck is, and so where the frame is. A HAV that has
+reserved nothing stands where it is sensed.
 """
 
 import math
 
-from baselines.policies.reserve.memory.random_numbers import NOISE, dice
-from baselines.policies.reserve.memory.rows import (
-    AFTER,
-    ARRIVED,
-    BEFORE,
-    CLEAR,
-    DOUBT,
-    FRAME,
-    KIND,
-    LENGTH_OF,
-    MODE,
-    NUM_AXLES,
-    NUM_RESTLESS,
-    NUM_SLOTS,
-    NUMBER,
-    NUMBER_OF,
-    OUTLINE,
-    OWN_STEEPEST,
-    OWN_STEP,
-    RADIUS,
-    RAW,
-    RESERVED,
-    SAG,
-    SEEN,
-    SLOT_AXLES,
-    SLOTS,
-    STAMP,
-    STANDING,
-    STRANGERS,
-    STRIDE,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes, states
+from baselines.policies.reserve.memory.random_numbers import NOISE, random_key
 from baselines.policies.reserve.memory.shortlist import insert
-from baselines.policies.reserve.perception.other_agents import is_stranger, slot_at
+from baselines.policies.reserve.perception.other_agents import is_newcomer, slot_at
 from baselines.policies.reserve.perception.own_state import sag, stride
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
@@ -62,98 +34,103 @@ from hav_env.world.sensing import (
     num_neighbors,
 )
 
-_DRAWS = 3  # random numbers of the noise on one neighbour
+_DRAWS_PER_NEIGHBOR = 3  # of the noise: direction and distance of the position, and heading
 
 
 @rare_kernel
 def gather(policy, rows, memory, world, agent, lane, radius):
-    """Take note of the others that may be within a radius [m] round the own truck.
+    """Write the others that may be within a radius [m] round the own truck into slots.
 
-    The nearest get slots; ``CLEAR`` tells how far round the truck nobody else reaches.
+    The nearest get slots. ``COVERED_RADIUS`` is the radius within which nobody else is.
     """
-    rows[NUM_SLOTS], rows[NUM_RESTLESS], rows[STRANGERS] = 0.0, 0.0, 0.0
-    rows[CLEAR] = radius
+    rows[m.NUM_SLOTS], rows[m.NUM_UNARRIVED], rows[m.NEWCOMERS] = 0.0, 0.0, 0.0
+    rows[m.COVERED_RADIUS] = radius
     count = 0
     for k in range(num_neighbors(world, agent, lane)):
         gap = _least_distance(policy, rows, memory, world, agent, k, lane)
         if gap <= radius:
-            rows[STRANGERS] += 1.0 if is_stranger(rows, world, agent, k, lane) else 0.0
+            rows[m.NEWCOMERS] += 1.0 if is_newcomer(rows, world, agent, k, lane) else 0.0
             count = insert(rows, count, gap, k)
-    if count > SLOTS:
-        count, rows[CLEAR] = SLOTS, rows[LENGTH_OF + SLOTS]
+    if count > sizes.SLOT_COUNT:
+        count, rows[m.COVERED_RADIUS] = sizes.SLOT_COUNT, rows[m.LISTED_LENGTHS + sizes.SLOT_COUNT]
     for number in range(count):
-        k = int(rows[NUMBER_OF + number])
-        rows[STRANGERS] -= 1.0 if is_stranger(rows, world, agent, k, lane) else 0.0
-        _note(policy, rows, slot_at(number), memory, world, agent, k, lane)
-    rows[NUM_SLOTS] = count
+        k = int(rows[m.LISTED_NUMBERS + number])
+        rows[m.NEWCOMERS] -= 1.0 if is_newcomer(rows, world, agent, k, lane) else 0.0
+        _write_slot(policy, rows, slot_at(number), memory, world, agent, k, lane)
+    rows[m.NUM_SLOTS] = count
 
 
 @rare_kernel
-def _frame_heard(policy, memory, world, agent, k, lane):
-    """Return the row of a neighbour's frame that fits where it is sensed, -1 if it stands."""
-    stamp = heard(memory, world, agent, k, STAMP, lane) if policy.broadcast else 0.0
+def _frame_row(policy, memory, world, agent, k, lane):
+    """Return the row of a neighbour's frame that fits its sensed pose, -1 if it stands."""
+    stamp = heard(memory, world, agent, k, m.STAMP, lane) if policy.broadcast else 0.0
     _, _, now = episode_key(world, lane)
-    reserved = (heard(memory, world, agent, k, MODE, lane) == RESERVED) | (stamp == now + 1.0)
-    if not ((stamp > 0.0) & reserved & (heard(memory, world, agent, k, RADIUS, lane) > 0.0)):
+    reserved = (heard(memory, world, agent, k, m.MODE, lane) == states.RESERVED) | (
+        stamp == now + 1.0
+    )
+    if not (
+        (stamp > 0.0) & reserved & (heard(memory, world, agent, k, m.OUTLINE_RADIUS, lane) > 0.0)
+    ):
         return -1
-    # one that has just decided is sensed where it was before, and so is one that then stood instead
+    # A neighbour that has just decided is sensed where it was before that step.
+    # So is one that decided in the last step and then stood.
     stood = neighbor_speed(world, agent, k, lane) == 0.0
-    return BEFORE if stamp == now + 1.0 or (stamp == now and stood) else AFTER
+    return m.FRAME_BEFORE if stamp == now + 1.0 or (stamp == now and stood) else m.FRAME_AFTER
 
 
 @rare_kernel
-def _reach_of(policy, memory, world, agent, k, lane):
-    """Return the radius [m] round a neighbour's truck that holds it and what it has reserved."""
-    frame = _frame_heard(policy, memory, world, agent, k, lane)
+def _radius_of(policy, memory, world, agent, k, lane):
+    """Return the radius [m] round a neighbour's truck that holds it and its outline."""
+    frame = _frame_row(policy, memory, world, agent, k, lane)
     if frame < 0:
         length = neighbor_length(world, agent, k, 0, lane)
         return max(neighbor_footprint(world, agent, k, lane), length)
     x = heard(memory, world, agent, k, frame, lane)
     y = heard(memory, world, agent, k, frame + 1, lane)
-    return math.sqrt(x * x + y * y) + heard(memory, world, agent, k, RADIUS, lane)
+    return math.sqrt(x * x + y * y) + heard(memory, world, agent, k, m.OUTLINE_RADIUS, lane)
 
 
 @kernel
-def _doubt(policy, reach):
-    """Return how far off [m] a point may be sensed that is so far [m] from its truck."""
+def _position_error(policy, reach):
+    """Return the largest sensing error [m] of a point at a distance [m] from its truck."""
     return policy.position_noise + policy.heading_noise * reach
 
 
 @rare_kernel
 def _least_distance(policy, rows, memory, world, agent, k, lane):
-    """Return a lower bound of the distance [m] from the own truck to a neighbour's property."""
-    x, y, _, _ = _pose_seen(policy, rows, memory, world, agent, k, lane)
-    reach = _reach_of(policy, memory, world, agent, k, lane)
-    return math.sqrt(x * x + y * y) - reach - _doubt(policy, reach)
+    """Return a lower bound of the distance [m] from the own truck to a neighbour's outline."""
+    x, y, _, _ = _sensed_pose(policy, rows, memory, world, agent, k, lane)
+    reach = _radius_of(policy, memory, world, agent, k, lane)
+    return math.sqrt(x * x + y * y) - reach - _position_error(policy, reach)
 
 
 @rare_kernel
-def _note(policy, rows, slot, memory, world, agent, k, lane):
+def _write_slot(policy, rows, slot, memory, world, agent, k, lane):
     """Write a neighbour into a slot."""
-    rows[slot + NUMBER] = neighbor_id(world, agent, k, lane)
-    stamp = heard(memory, world, agent, k, STAMP, lane) if policy.broadcast else 0.0
-    arrived = stamp > 0.0 and heard(memory, world, agent, k, MODE, lane) == ARRIVED
-    rows[NUM_RESTLESS] += 0.0 if arrived else 1.0
-    frame = _frame_heard(policy, memory, world, agent, k, lane)
+    rows[slot + m.SLOT_NUMBER] = neighbor_id(world, agent, k, lane)
+    stamp = heard(memory, world, agent, k, m.STAMP, lane) if policy.broadcast else 0.0
+    arrived = stamp > 0.0 and heard(memory, world, agent, k, m.MODE, lane) == states.ARRIVED
+    rows[m.NUM_UNARRIVED] += 0.0 if arrived else 1.0
+    frame = _frame_row(policy, memory, world, agent, k, lane)
     if frame < 0:
-        _note_standing(policy, rows, slot, memory, world, agent, k, lane)
+        _write_standing(policy, rows, slot, memory, world, agent, k, lane)
     else:
-        _note_reserved(policy, rows, slot, frame, memory, world, agent, k, lane)
-    doubt = _doubt(policy, _reach_of(policy, memory, world, agent, k, lane))
-    rows[slot + DOUBT] = doubt
+        _write_reserved(policy, rows, slot, frame, memory, world, agent, k, lane)
+    error = _position_error(policy, _radius_of(policy, memory, world, agent, k, lane))
+    rows[slot + m.SLOT_ERROR] = error
     for side in range(SIDES):
-        rows[slot + SEEN + side] += doubt
-        rows[slot + RAW + side] += doubt
+        rows[slot + m.SLOT_OUTLINE + side] += error
+        rows[slot + m.SLOT_BROADCAST_OUTLINE + side] += error
 
 
 @rare_kernel
-def _pose_seen(policy, rows, memory, world, agent, k, lane):
-    """Return the pose of a neighbour's truck: x, y [m], cosine, sine, with the noise asked for."""
+def _sensed_pose(policy, rows, memory, world, agent, k, lane):
+    """Return the pose of a neighbour's truck with noise: x [m], y [m], cosine, sine."""
     x, y = neighbor_position(world, agent, k, lane)
     cosine, sine = neighbor_heading_direction(world, agent, k, lane)
     if policy.position_noise + policy.heading_noise > 0.0:
-        seed, episode, stream, draw = dice(rows, NOISE, _DRAWS * memory.shape[0])
-        draw += _DRAWS * neighbor_id(world, agent, k, lane)
+        seed, episode, stream, draw = random_key(rows, NOISE, _DRAWS_PER_NEIGHBOR * memory.shape[0])
+        draw += _DRAWS_PER_NEIGHBOR * neighbor_id(world, agent, k, lane)
         off_sine, off_cosine = sincos(TWO_PI * uniform(seed, episode, stream, draw))
         off = policy.position_noise * math.sqrt(uniform(seed, episode, stream, draw + 1))
         x, y = x + off * off_cosine, y + off * off_sine
@@ -167,38 +144,42 @@ def _pose_seen(policy, rows, memory, world, agent, k, lane):
 
 
 @rare_kernel
-def _note_reserved(policy, rows, slot, frame, memory, world, agent, k, lane):
-    x, y, cosine, sine = _pose_seen(policy, rows, memory, world, agent, k, lane)
+def _write_reserved(policy, rows, slot, frame, memory, world, agent, k, lane):
+    """Write a neighbour that has reserved an outline into a slot."""
+    x, y, cosine, sine = _sensed_pose(policy, rows, memory, world, agent, k, lane)
     fx = heard(memory, world, agent, k, frame, lane)
     fy = heard(memory, world, agent, k, frame + 1, lane)
     fc = heard(memory, world, agent, k, frame + 2, lane)
     fs = heard(memory, world, agent, k, frame + 3, lane)
-    rows[slot + KIND] = RESERVED
-    rows[slot + FRAME] = x + fx * cosine - fy * sine
-    rows[slot + FRAME + 1] = y + fy * cosine + fx * sine
-    rows[slot + FRAME + 2] = fc * cosine - fs * sine
-    rows[slot + FRAME + 3] = fs * cosine + fc * sine
+    rows[slot + m.SLOT_KIND] = states.RESERVED
+    rows[slot + m.SLOT_FRAME] = x + fx * cosine - fy * sine
+    rows[slot + m.SLOT_FRAME + 1] = y + fy * cosine + fx * sine
+    rows[slot + m.SLOT_FRAME + 2] = fc * cosine - fs * sine
+    rows[slot + m.SLOT_FRAME + 3] = fs * cosine + fc * sine
     for side in range(SIDES):
-        rows[slot + RAW + side] = heard(memory, world, agent, k, OUTLINE + side, lane)
+        rows[slot + m.SLOT_BROADCAST_OUTLINE + side] = heard(
+            memory, world, agent, k, m.OUTLINE + side, lane
+        )
     turn_outline(
         rows,
-        slot + SEEN,
+        slot + m.SLOT_OUTLINE,
         rows,
-        slot + RAW,
-        rows[slot + FRAME],
-        rows[slot + FRAME + 1],
-        rows[slot + FRAME + 2],
-        rows[slot + FRAME + 3],
+        slot + m.SLOT_BROADCAST_OUTLINE,
+        rows[slot + m.SLOT_FRAME],
+        rows[slot + m.SLOT_FRAME + 1],
+        rows[slot + m.SLOT_FRAME + 2],
+        rows[slot + m.SLOT_FRAME + 3],
     )
 
 
 @rare_kernel
-def _note_standing(policy, rows, slot, memory, world, agent, k, lane):
-    x, y, cosine, sine = _pose_seen(policy, rows, memory, world, agent, k, lane)
+def _write_standing(policy, rows, slot, memory, world, agent, k, lane):
+    """Write a neighbour that stands into a slot: its axles, and their outline."""
+    x, y, cosine, sine = _sensed_pose(policy, rows, memory, world, agent, k, lane)
     count = neighbor_trailers(world, agent, k, lane) + 2
-    rows[slot + KIND], rows[slot + NUM_AXLES] = STANDING, count
+    rows[slot + m.SLOT_KIND], rows[slot + m.SLOT_NUM_AXLES] = states.STANDING, count
     length = neighbor_length(world, agent, k, 0, lane)
-    axles = slot + SLOT_AXLES
+    axles = slot + m.SLOT_AXLES
     rows[axles], rows[axles + 1] = x + length * cosine, y + length * sine
     rows[axles + 2], rows[axles + 3] = x, y
     shortest = length
@@ -209,9 +190,11 @@ def _note_standing(policy, rows, slot, memory, world, agent, k, lane):
         shortest = min(shortest, length)
         x, y = x - length * cosine, y - length * sine
         rows[axles + 2 * joint + 2], rows[axles + 2 * joint + 3] = x, y
-    step, steepest = rows[OWN_STEP], rows[OWN_STEEPEST]
-    rows[slot + SAG] = sag(step, steepest, shortest)
-    rows[slot + STRIDE] = stride(step, steepest, shortest, count - 2)
-    clear_outline(rows, slot + SEEN)
+    step, steepest = rows[m.OWN_STEP], rows[m.OWN_STEERING_TANGENT]
+    rows[slot + m.SLOT_SAG] = sag(step, steepest, shortest)
+    rows[slot + m.SLOT_STRIDE] = stride(step, steepest, shortest, count - 2)
+    clear_outline(rows, slot + m.SLOT_OUTLINE)
     for axle in range(count):
-        include_point(rows, slot + SEEN, rows[axles + 2 * axle], rows[axles + 2 * axle + 1])
+        include_point(
+            rows, slot + m.SLOT_OUTLINE, rows[axles + 2 * axle], rows[axles + 2 * axle + 1]
+        )

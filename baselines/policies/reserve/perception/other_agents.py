@@ -1,30 +1,13 @@
-"""The others as a HAV under Reserve takes them, once they are gathered in slots of its memory."""
+"""Distances to the others in a HAV's slots, and the memory of who was near.
+
+A neighbour is *near* if the circles that circumscribe both are less than ``NEAR_GAP`` apart. A
+*newcomer* is near, but was not when the HAV last remembered its neighbourhood.
+"""
 
 import math
 
-from baselines.policies.reserve.memory.rows import (
-    AFTER,
-    CLEAR,
-    CLOSE,
-    COMPANIONS,
-    COMPANY,
-    FRAME,
-    KIND,
-    KNOWN,
-    MODE,
-    MOST_KNOWN,
-    NUM_SLOTS,
-    OUTLINE,
-    OWN_REACH,
-    OWN_STEP,
-    RAW,
-    RESERVED,
-    SEEN,
-    SLOT,
-    SLOT_ROWS,
-    STANDING,
-    TURNED,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes, states
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import into_frame
 from hav_env.maths.kdop import SIDES, corner, outline_gap, turn_outline
@@ -37,39 +20,41 @@ from hav_env.world.sensing import (
     num_neighbors,
 )
 
-NEAR = 30.0  # [m] between what circumscribes both, and what they drive in a step
+NEAR_GAP = 30.0  # [m] between two circumscribing circles: far more than both drive in a step
+_GAIN = 4.0  # [m] that sides of the other outline hardly add to a gap: then they are not tried
+_HASH_SHIFT = 0.123  # makes the hash of one number differ from sums of hashes of others
 
 
 @kernel
 def slot_at(number):
     """Return the first row of a slot."""
-    return SLOT + SLOT_ROWS * number
+    return m.FIRST_SLOT + m.SLOT_ROWS * number
 
 
 @rare_kernel
 def gap_to(rows, slot, outline, enough):
-    """Return a lower bound of the distance [m] from an own outline to what is in a slot.
+    """Return a lower bound of the distance [m] from an own outline to the outline in a slot.
 
-    Gaps are looked for across the own sides; then, if that may help to have enough [m], across the
-    sides of the other one.
+    It is the largest gap across the own sides. If that is less than ``enough`` [m], but not by
+    much, the gaps across the sides of the other outline count too.
     """
-    gap = outline_gap(rows, outline, slot + SEEN)
-    if gap > enough or gap < enough - 4.0 or rows[slot + KIND] == STANDING:
+    gap = outline_gap(rows, outline, slot + m.SLOT_OUTLINE)
+    if gap > enough or gap < enough - _GAIN or rows[slot + m.SLOT_KIND] == states.STANDING:
         return gap
-    x, y = rows[slot + FRAME], rows[slot + FRAME + 1]
-    cosine, sine = rows[slot + FRAME + 2], rows[slot + FRAME + 3]
+    x, y = rows[slot + m.SLOT_FRAME], rows[slot + m.SLOT_FRAME + 1]
+    cosine, sine = rows[slot + m.SLOT_FRAME + 2], rows[slot + m.SLOT_FRAME + 3]
     back_x, back_y = -x * cosine - y * sine, x * sine - y * cosine
-    turn_outline(rows, TURNED, rows, outline, back_x, back_y, cosine, -sine)
-    return max(gap, outline_gap(rows, TURNED, slot + RAW))
+    turn_outline(rows, m.TURNED_OUTLINE, rows, outline, back_x, back_y, cosine, -sine)
+    return max(gap, outline_gap(rows, m.TURNED_OUTLINE, slot + m.SLOT_BROADCAST_OUTLINE))
 
 
 @rare_kernel
-def someone_within(rows, x, y, radius):
-    """Tell whether the box round what is in a slot comes within a radius [m] of a place."""
-    for number in range(int(rows[NUM_SLOTS])):
-        seen = slot_at(number) + SEEN
-        dx = max(x - rows[seen], -rows[seen + SIDES // 2] - x, 0.0)
-        dy = max(y - rows[seen + SIDES // 4], -rows[seen + 3 * SIDES // 4] - y, 0.0)
+def is_any_within(rows, x, y, radius):
+    """Tell whether the bounding box of an outline in a slot is within a radius [m] of (x, y)."""
+    for number in range(int(rows[m.NUM_SLOTS])):
+        outline = slot_at(number) + m.SLOT_OUTLINE
+        dx = max(x - rows[outline], -rows[outline + SIDES // 2] - x, 0.0)
+        dy = max(y - rows[outline + SIDES // 4], -rows[outline + 3 * SIDES // 4] - y, 0.0)
         if dx * dx + dy * dy <= radius * radius:
             return True
     return False
@@ -86,110 +71,128 @@ def extent_of(rows, outline):
 
 
 @kernel
-def is_overseen(rows, outline, margin):
-    """Tell whether all who may come within a margin [m] of an outline are in slots."""
-    return extent_of(rows, outline) + margin <= rows[CLEAR]
+def is_covered(rows, outline, margin):
+    """Tell whether all who may be within a margin [m] of an outline have slots."""
+    return extent_of(rows, outline) + margin <= rows[m.COVERED_RADIUS]
 
 
 @rare_kernel
-def apart(rows, outline, kind, margin):
-    """Tell whether an outline keeps a margin [m] from all slots of a kind; mark the close ones."""
+def keeps_margin(rows, outline, kind, margin):
+    """Tell whether an outline keeps a margin [m] from all slots of a kind.
+
+    Those that stand and are closer than the margin are marked in ``SLOT_CLOSE``.
+    """
     free = True
-    for number in range(int(rows[NUM_SLOTS])):
+    for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
-        if rows[slot + KIND] != kind:
+        if rows[slot + m.SLOT_KIND] != kind:
             continue
         near = gap_to(rows, slot, outline, margin) <= margin
-        if kind == STANDING:
-            rows[slot + CLOSE] = 1.0 if near else 0.0
+        if kind == states.STANDING:
+            rows[slot + m.SLOT_CLOSE] = 1.0 if near else 0.0
         if near:
             free = False
-            if kind == RESERVED:
+            if kind == states.RESERVED:
                 return False
     return free
 
 
 @kernel
 def is_near(rows, world, agent, k, lane):
-    """Tell whether a neighbour is near enough to be noticed when it comes or goes.
+    """Tell whether a neighbour is near, so that the HAV notices when it comes or goes.
 
-    Farther ones, if they are sensed at all, are compared only when something is reserved.
+    The HAV compares its outline with those of farther neighbours only when it reserves.
     """
     x, y = neighbor_position(world, agent, k, lane)
     reach = max(
         neighbor_footprint(world, agent, k, lane), neighbor_length(world, agent, k, 0, lane)
     )
-    farthest = rows[OWN_REACH] + reach + NEAR + 2.0 * rows[OWN_STEP]
+    farthest = rows[m.OWN_REACH] + reach + NEAR_GAP + 2.0 * rows[m.OWN_STEP]
     return x * x + y * y <= farthest * farthest
 
 
 @kernel
-def _sign_of(policy, memory, world, agent, k, lane):
-    """Return a number by whose sum over all it shows, but for coincidence, who of them stands."""
+def _hash_of(policy, memory, world, agent, k, lane):
+    """Return the hash of a neighbour's number and state.
+
+    The sum over all neighbours differs, but for coincidence, when one begins to stand or to move.
+    """
     number = neighbor_id(world, agent, k, lane) + 1.0
-    mode = heard(memory, world, agent, k, MODE, lane) if policy.broadcast else 0.0
-    return number * (number + 0.123) * mode
+    mode = heard(memory, world, agent, k, m.MODE, lane) if policy.broadcast else 0.0
+    return number * (number + _HASH_SHIFT) * mode
 
 
 @rare_kernel
-def note_company(policy, rows, memory, world, agent, lane):
-    """Remember who is near, and who of them stands."""
+def remember_neighborhood(policy, rows, memory, world, agent, lane):
+    """Remember which neighbours are near, and a hash of their states."""
     count, total = 0, 0.0
     for k in range(num_neighbors(world, agent, lane)):
         if is_near(rows, world, agent, k, lane):
-            if count < MOST_KNOWN:
-                rows[COMPANIONS + count] = neighbor_id(world, agent, k, lane)
+            if count < sizes.MAX_KNOWN:
+                rows[m.NEAR_NUMBERS + count] = neighbor_id(world, agent, k, lane)
             count += 1
-            total += _sign_of(policy, memory, world, agent, k, lane)
-    rows[COMPANY], rows[KNOWN] = count, total
+            total += _hash_of(policy, memory, world, agent, k, lane)
+    rows[m.NUM_NEAR], rows[m.KNOWN] = count, total
 
 
 @rare_kernel
-def is_known(rows, number):
-    """Tell whether the HAV of this number was near when that was noted."""
-    for k in range(min(int(rows[COMPANY]), MOST_KNOWN)):
-        if rows[COMPANIONS + k] == number:
+def was_near(rows, number):
+    """Tell whether the HAV of this number was near when the neighbourhood was remembered."""
+    for k in range(min(int(rows[m.NUM_NEAR]), sizes.MAX_KNOWN)):
+        if rows[m.NEAR_NUMBERS + k] == number:
             return True
     return False
 
 
 @rare_kernel
-def is_stranger(rows, world, agent, k, lane):
-    """Tell whether a neighbour is near and was not when that was last noted."""
-    known = is_known(rows, neighbor_id(world, agent, k, lane))
+def is_newcomer(rows, world, agent, k, lane):
+    """Tell whether a neighbour is near and was not when the neighbourhood was remembered."""
+    known = was_near(rows, neighbor_id(world, agent, k, lane))
     return not known and is_near(rows, world, agent, k, lane)
 
 
 @rare_kernel
 def reserved_gap(rows, slot):
-    """Return a lower bound of the distance [m] from what the HAV has reserved to a slot's.
+    """Return a lower bound of the distance [m] from the reserved outline to that in a slot.
 
-    It is found as when the later one of both was reserved, so that it comes out the same.
+    It is computed as when the later one of both outlines was reserved, so the result is the same.
     """
-    x, y, cosine, sine = rows[AFTER], rows[AFTER + 1], rows[AFTER + 2], rows[AFTER + 3]
-    if rows[slot + KIND] == STANDING:
-        turn_outline(rows, TURNED, rows, OUTLINE, x, y, cosine, sine)
-        return outline_gap(rows, TURNED, slot + SEEN)
-    dx, dy = rows[slot + FRAME] - x, rows[slot + FRAME + 1] - y
-    forward, left = into_frame(dx, dy, cosine, sine)
-    c, s = into_frame(rows[slot + FRAME + 2], rows[slot + FRAME + 3], cosine, sine)
-    turn_outline(rows, TURNED, rows, slot + RAW, forward, left, c, s)
-    gap = outline_gap(rows, OUTLINE, TURNED)
-    turn_outline(
-        rows, TURNED, rows, OUTLINE, -forward * c - left * s, forward * s - left * c, c, -s
+    x, y, cosine, sine = (
+        rows[m.FRAME_AFTER],
+        rows[m.FRAME_AFTER + 1],
+        rows[m.FRAME_AFTER + 2],
+        rows[m.FRAME_AFTER + 3],
     )
-    return max(gap, outline_gap(rows, TURNED, slot + RAW))
+    if rows[slot + m.SLOT_KIND] == states.STANDING:
+        turn_outline(rows, m.TURNED_OUTLINE, rows, m.OUTLINE, x, y, cosine, sine)
+        return outline_gap(rows, m.TURNED_OUTLINE, slot + m.SLOT_OUTLINE)
+    dx, dy = rows[slot + m.SLOT_FRAME] - x, rows[slot + m.SLOT_FRAME + 1] - y
+    forward, left = into_frame(dx, dy, cosine, sine)
+    c, s = into_frame(rows[slot + m.SLOT_FRAME + 2], rows[slot + m.SLOT_FRAME + 3], cosine, sine)
+    turn_outline(rows, m.TURNED_OUTLINE, rows, slot + m.SLOT_BROADCAST_OUTLINE, forward, left, c, s)
+    gap = outline_gap(rows, m.OUTLINE, m.TURNED_OUTLINE)
+    turn_outline(
+        rows,
+        m.TURNED_OUTLINE,
+        rows,
+        m.OUTLINE,
+        -forward * c - left * s,
+        forward * s - left * c,
+        c,
+        -s,
+    )
+    return max(gap, outline_gap(rows, m.TURNED_OUTLINE, slot + m.SLOT_BROADCAST_OUTLINE))
 
 
 @kernel
-def has_company_changed(policy, rows, memory, world, agent, lane):
-    """Tell whether others are near, or stand, than when this was last noted."""
+def has_neighborhood_changed(policy, rows, memory, world, agent, lane):
+    """Tell whether the near neighbours or their states differ from those remembered."""
     count, total = 0, 0.0
     for k in range(num_neighbors(world, agent, lane)):
         if is_near(rows, world, agent, k, lane):
             number = neighbor_id(world, agent, k, lane)
-            if count >= MOST_KNOWN or number != rows[COMPANIONS + count]:
+            if count >= sizes.MAX_KNOWN or number != rows[m.NEAR_NUMBERS + count]:
                 return True
             count += 1
-            total += _sign_of(policy, memory, world, agent, k, lane)
-    return count != rows[COMPANY] or total != rows[KNOWN]
+            total += _hash_of(policy, memory, world, agent, k, lane)
+    return count != rows[m.NUM_NEAR] or total != rows[m.KNOWN]

@@ -1,33 +1,13 @@
-"""What a HAV senses of itself, written into its rows once a step: everything else thinks in rows.
+"""What a HAV senses of itself, written into its memory once a step.
 
-So what a HAV decides cannot depend on anything that it may not know; and the arrays of the world,
-some forty, are no arguments of the many functions that work it out, which compile faster.
+All other modules read the memory only. So a decision cannot depend on anything that the HAV does
+not know. Besides, their functions compile faster without the forty arrays of a world as arguments.
 """
 
 import math
 
-from baselines.policies.reserve.memory.rows import (
-    OWN_BOUND,
-    OWN_CIRCLE,
-    OWN_DICE,
-    OWN_FOOTPRINT,
-    OWN_FRONT,
-    OWN_GOAL,
-    OWN_GOALS_LEFT,
-    OWN_HITCH,
-    OWN_JOINTS,
-    OWN_LENGTHS,
-    OWN_NUMBER,
-    OWN_REACH,
-    OWN_REAR,
-    OWN_SAG,
-    OWN_STEEPEST,
-    OWN_STEP,
-    OWN_STRIDE,
-    OWN_TIGHTEST,
-    OWN_TRAILERS,
-    OWN_WINDOW,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.preconditions import CIRCLE_FACTOR
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI
@@ -45,26 +25,32 @@ from hav_env.world.sensing import (
     unit_length,
 )
 
-_WIDER = 1.02  # the circle for ever is so much wider than what is needed
+_SWING = 1.5  # of step / shortest unit: share by which a trailer may move farther than its pull
 
 
 @kernel
 def sense_itself(policy, rows, world, agent, lane):
-    """Write what changes from step to step; in the first step also what does not.
+    """Write what changes from step to step, and in the first step also what does not change.
 
     Returns:
-        Whether the HAV sees its goal where it saw it in the step before: it has stood.
+        Whether the HAV has stood: it senses its goal where it was in the step before.
     """
-    if rows[OWN_STEP] == 0.0:
+    if rows[m.OWN_STEP] == 0.0:
         _sense_body(policy, rows, world, agent, lane)
     x, y, heading = goal_pose(world, agent, lane)
-    stood = (x == rows[OWN_GOAL]) & (y == rows[OWN_GOAL + 1]) & (heading == rows[OWN_GOAL + 2])
-    rows[OWN_GOAL], rows[OWN_GOAL + 1], rows[OWN_GOAL + 2] = x, y, heading
+    stood = (
+        (x == rows[m.OWN_GOAL]) & (y == rows[m.OWN_GOAL + 1]) & (heading == rows[m.OWN_GOAL + 2])
+    )
+    rows[m.OWN_GOAL], rows[m.OWN_GOAL + 1], rows[m.OWN_GOAL + 2] = x, y, heading
     cosine, sine = goal_direction(world, agent, lane)
-    rows[OWN_GOAL + 3], rows[OWN_GOAL + 4] = cosine, sine
-    rows[OWN_GOALS_LEFT] = goals_left(world, agent, lane)
+    rows[m.OWN_GOAL + 3], rows[m.OWN_GOAL + 4] = cosine, sine
+    rows[m.OWN_GOALS_LEFT] = goals_left(world, agent, lane)
     seed, episode, step = episode_key(world, lane)
-    rows[OWN_DICE], rows[OWN_DICE + 1], rows[OWN_DICE + 2] = seed, episode, step
+    rows[m.OWN_RANDOM_KEY], rows[m.OWN_RANDOM_KEY + 1], rows[m.OWN_RANDOM_KEY + 2] = (
+        seed,
+        episode,
+        step,
+    )
     return stood
 
 
@@ -72,58 +58,59 @@ def sense_itself(policy, rows, world, agent, lane):
 def _sense_body(policy, rows, world, agent, lane):
     """Write lengths, limits and the radii that follow from them."""
     trailers = num_trailers(world, agent, lane)
-    rows[OWN_NUMBER], rows[OWN_TRAILERS] = agent, trailers
+    rows[m.OWN_NUMBER], rows[m.OWN_TRAILERS] = agent, trailers
     for unit in range(trailers + 1):
-        rows[OWN_LENGTHS + unit] = unit_length(world, agent, unit, lane)
-    truck = rows[OWN_LENGTHS]
-    rows[OWN_FOOTPRINT] = own_footprint(world, agent, lane)
-    rows[OWN_REACH] = max(rows[OWN_FOOTPRINT], truck)
+        rows[m.OWN_LENGTHS + unit] = unit_length(world, agent, unit, lane)
+    truck = rows[m.OWN_LENGTHS]
+    rows[m.OWN_FOOTPRINT] = own_footprint(world, agent, lane)
+    rows[m.OWN_REACH] = max(rows[m.OWN_FOOTPRINT], truck)
     speed, _, articulation_max = limits(world, agent, lane)
     cosine, sine = steering_direction(world, agent, lane)
-    rows[OWN_STEP], rows[OWN_STEEPEST] = speed * policy.dt, sine / cosine
+    rows[m.OWN_STEP], rows[m.OWN_STEERING_TANGENT] = speed * policy.dt, sine / cosine
     bound = articulation_max - policy.articulation_margin
-    bend, rows[OWN_BOUND] = sincos(bound)
-    rows[OWN_WINDOW] = TWO_PI - 2.0 * bound
-    bend = bend if rows[OWN_BOUND] > 0.0 else 1.0
-    rows[OWN_TIGHTEST] = truck * cosine / sine
+    bend, rows[m.OWN_LEAST_COSINE] = sincos(bound)
+    rows[m.OWN_FOLD_TURN] = TWO_PI - 2.0 * bound
+    bend = bend if rows[m.OWN_LEAST_COSINE] > 0.0 else 1.0
+    rows[m.OWN_TRUCK_RADIUS] = truck * cosine / sine
     # R_min of eq. (rmin) counts the truck as well, of which trailers know nothing
     stable = stable_radius(world, agent, lane)
-    rows[OWN_HITCH] = math.sqrt(max(stable * stable - truck * truck, 0.0))
-    circle = _WIDER * max(rows[OWN_HITCH], rows[OWN_TIGHTEST])
+    rows[m.OWN_TRAILER_RADIUS] = math.sqrt(max(stable * stable - truck * truck, 0.0))
+    circle = CIRCLE_FACTOR * max(rows[m.OWN_TRAILER_RADIUS], rows[m.OWN_TRUCK_RADIUS])
     squares = 0.0
-    for unit in range(1, trailers + 1):  # on a circle for good, each trailer bends so far
-        length = rows[OWN_LENGTHS + unit]
+    for unit in range(1, trailers + 1):  # on an endless circle each articulation has a limit value
+        length = rows[m.OWN_LENGTHS + unit]
         circle = max(circle, math.sqrt(squares + length * length / (bend * bend)))
         squares += length * length
-    rows[OWN_CIRCLE] = circle
+    rows[m.OWN_CIRCLE_RADIUS] = circle
     # steps are chords of the circle, and the truck heads along the last one
-    sine, _ = sincos(0.5 * rows[OWN_STEP] / rows[OWN_CIRCLE])
-    rear = 0.5 * rows[OWN_STEP] / sine
-    rows[OWN_REAR] = rear
-    rows[OWN_FRONT] = math.sqrt(rear * rear + truck * truck + 2.0 * rear * truck * sine)
+    sine, _ = sincos(0.5 * rows[m.OWN_STEP] / rows[m.OWN_CIRCLE_RADIUS])
+    rear = 0.5 * rows[m.OWN_STEP] / sine
+    rows[m.OWN_REAR_RADIUS] = rear
+    rows[m.OWN_FRONT_RADIUS] = math.sqrt(rear * rear + truck * truck + 2.0 * rear * truck * sine)
     _sense_step(rows)
 
 
 @rare_kernel
 def _sense_step(rows):
-    """Write how far a step may lead, and how far from the straight ways to where it leads."""
-    trailers, shortest = int(rows[OWN_TRAILERS]), rows[OWN_LENGTHS]
+    """Write the largest distance of a step, and the largest distance from its straight ways."""
+    trailers, shortest = int(rows[m.OWN_TRAILERS]), rows[m.OWN_LENGTHS]
     for unit in range(1, trailers + 1):
-        shortest = min(shortest, rows[OWN_LENGTHS + unit])
-    rows[OWN_SAG] = sag(rows[OWN_STEP], rows[OWN_STEEPEST], shortest)
-    rows[OWN_STRIDE] = stride(rows[OWN_STEP], rows[OWN_STEEPEST], shortest, trailers)
+        shortest = min(shortest, rows[m.OWN_LENGTHS + unit])
+    rows[m.OWN_SAG] = sag(rows[m.OWN_STEP], rows[m.OWN_STEERING_TANGENT], shortest)
+    rows[m.OWN_STRIDE] = stride(rows[m.OWN_STEP], rows[m.OWN_STEERING_TANGENT], shortest, trailers)
 
 
 @kernel
 def sag(step, steepest, shortest):
-    """Return how far [m] the axles of rolling wheels leave the ways of the simulator's step.
+    """Return how far [m] the axles of rolling wheels may be from their straight ways in a step.
 
-    The simulator turns the truck first and then moves it; wheels do both at once. The proof is in
-    docs/safety.md, between steps.
+    The simulator turns the truck first and then moves it. Wheels do both at once. The equation and
+    its proof are in docs/safety.md under "Between steps".
 
     Args:
-        step: of the truck's rear axle [m]; steepest: tangent of the largest steering angle.
-        shortest: unit [m].
+        step: Distance that the truck's rear axle drives in a step [m].
+        steepest: Tangent of the maximum steering angle.
+        shortest: Length of the shortest unit [m].
     """
     turned = 0.5 * step * step / shortest * max(steepest + 0.25 * steepest * steepest, 1.0)
     return turned + max(step - shortest, 0.0)
@@ -131,13 +118,18 @@ def sag(step, steepest, shortest):
 
 @kernel
 def stride(step, steepest, shortest, trailers):
-    """Return how far [m] an axle moves in a step, at most: the front one, or the last one.
+    """Return the largest distance [m] that an axle moves in a step.
+
+    It is that of the front axle or that of the last one.
 
     Args:
-        step, steepest, shortest: as for ``sag``; trailers: how many.
+        step: Distance that the truck's rear axle drives in a step [m].
+        steepest: Tangent of the maximum steering angle.
+        shortest: Length of the shortest unit [m].
+        trailers: Number of trailers.
     """
     front = math.sqrt(1.0 + steepest * steepest * (1.0 + step / shortest))
-    return step * max(front, 1.0 + 1.5 * trailers * step / shortest)
+    return step * max(front, 1.0 + _SWING * trailers * step / shortest)
 
 
 @rare_kernel
@@ -145,16 +137,19 @@ def sense_joints(rows, world, agent, lane):
     """Write cosine and sine of every articulation."""
     for joint in range(1, num_trailers(world, agent, lane) + 1):
         cosine, sine = articulation_direction(world, agent, joint, lane)
-        rows[OWN_JOINTS + 2 * joint - 2], rows[OWN_JOINTS + 2 * joint - 1] = cosine, sine
+        rows[m.OWN_JOINTS + 2 * joint - 2], rows[m.OWN_JOINTS + 2 * joint - 1] = cosine, sine
 
 
 @kernel
 def is_due(rows, period):
-    """Tell whether it is the HAV's turn to do what it does once in so many steps."""
-    return (int(rows[OWN_DICE + 2]) + int(rows[OWN_NUMBER])) % period == 0
+    """Tell whether it is the HAV's turn to do what it does once in ``period`` steps.
+
+    HAVs with consecutive numbers have their turns in consecutive steps.
+    """
+    return (int(rows[m.OWN_RANDOM_KEY + 2]) + int(rows[m.OWN_NUMBER])) % period == 0
 
 
 @kernel
-def goal_seen(rows):
-    """Return the goal under way: forward [m], left [m], heading relative to the truck's [rad]."""
-    return rows[OWN_GOAL], rows[OWN_GOAL + 1], rows[OWN_GOAL + 2]
+def sensed_goal(rows):
+    """Return the goal: forward [m], left [m], heading relative to the truck's [rad]."""
+    return rows[m.OWN_GOAL], rows[m.OWN_GOAL + 1], rows[m.OWN_GOAL + 2]

@@ -1,0 +1,1 @@
+"""This package predicts paths, steps and circles of a HAV under Reserve."""

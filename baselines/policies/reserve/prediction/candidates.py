@@ -1,22 +1,16 @@
-"""Paths that may lead to a pose, each with a number.
+"""Candidates: numbered paths that may lead to a pose.
 
-The first are Dubins words of three radii; then come two words by way of a random place. Where none
-of them serves, all sequences of arcs and straights are gone through in order, each with the
-shortest path to the pose behind it: a last resort that leaves nothing out but what is finer than
-its pieces, or longer than its sequences.
+The first ones are Dubins words of three radii. The next ones consist of two Dubins words with a
+random pose between them. The last resort are sequences of arcs and straights, in order of their
+number, each with the shortest path to the pose behind it. They leave out only what is finer than
+their pieces, or longer than their sequences.
 """
 
 import math
 
-from baselines.policies.reserve.memory.random_numbers import PLACES, dice
-from baselines.policies.reserve.memory.rows import (
-    OWN_CIRCLE,
-    OWN_FOOTPRINT,
-    OWN_FRONT,
-    SEGMENTS,
-    TRIAL,
-    WAYPOINTS,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes
+from baselines.policies.reserve.memory.random_numbers import PLACES, random_key
 from baselines.policies.reserve.prediction.paths import append
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.dubins import INFEASIBLE, RLR, shortest_path, turns, word_segments
@@ -24,35 +18,48 @@ from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI, into_frame
 from hav_env.maths.random_numbers import normal, uniform
 
-DIRECT = 18  # six words, three radii
-_DRAWS = 8  # random numbers of a way by a random place
-_PIECES = 7  # of a sequence
-# up to the last sequence of so many pieces, each of three kinds
-SEQUENCES = 3 * (3 ** (_PIECES + 1) - 1) // 2
+_NUM_WORDS = 6  # Dubins words
+_WORD_RADII = (1.0, 1.5, 2.5)  # of direct candidates [radii of the endless circle]: tight to wide
+DIRECT = _NUM_WORDS * len(_WORD_RADII)  # candidates of one Dubins word
+
+_DRAWS_PER_WAYPOINT = 8  # share, spread, 2 for each normal coordinate, heading; one is spare
+# The largest standard deviation of a waypoint's place: the footprint, and
+_SPREAD_CIRCLES = 2.0  # radii of the nose's circle: enough to drive round another HAV's circle
+_SPREAD_SHARE = 0.3  # of the distance to the goal: a long path may lead farther round
+_NEAR_GOAL_EVERY = 4  # candidates: one of these has its waypoint near the goal
+
+_PIECE_KINDS = 3  # of a piece: arc to the right, straight, arc to the left
+_PIECES = 7  # most pieces of a sequence: with the word behind it, it fills a path
+_PIECE_LENGTHS = (0.4, 0.8, 1.6)  # [radii of the endless circle]: a small, a medium, a large turn
+_NUM_LENGTHS = len(_PIECE_LENGTHS)
+# The number of sequences: each length, with 0 to ``_PIECES`` pieces.
+SEQUENCES = _NUM_LENGTHS * (_PIECE_KINDS ** (_PIECES + 1) - 1) // (_PIECE_KINDS - 1)
 
 
 @rare_kernel
 def write_candidate(rows, number, x, y, heading):
-    """Write one candidate into ``TRIAL``: empty when there is none."""
-    rows[TRIAL + SEGMENTS] = 0.0
-    radius = rows[OWN_CIRCLE]
+    """Write a candidate to the pose (x, y, heading) into ``TRIAL_PATH``.
+
+    The path is empty if the candidate does not exist.
+    """
+    rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
+    radius = rows[m.OWN_CIRCLE_RADIUS]
     if number < DIRECT:
-        word, size = number % 6, number // 6
-        radius *= 1.0 if size == 0 else (1.5 if size == 1 else 2.5)
+        word = number % _NUM_WORDS
+        radius *= _WORD_RADII[number // _NUM_WORDS]
         first, middle, last = word_segments(word, x, y, heading, radius)
         if first < INFEASIBLE:
             _append_word(rows, word, radius * first, radius * middle, radius * last, radius)
         return
-    seed, episode, stream, draw = dice(rows, PLACES, _DRAWS * WAYPOINTS)
-    draw += _DRAWS * (number - DIRECT)
-    front = rows[OWN_FRONT]
+    seed, episode, stream, draw = random_key(rows, PLACES, _DRAWS_PER_WAYPOINT * sizes.WAYPOINTS)
+    draw += _DRAWS_PER_WAYPOINT * (number - DIRECT)
+    front = rows[m.OWN_FRONT_RADIUS]
     share = uniform(seed, episode, stream, draw)
     distance = math.sqrt(x * x + y * y)
-    spread = (rows[OWN_FOOTPRINT] + 2.0 * front + 0.3 * distance) * uniform(
-        seed, episode, stream, draw + 1
-    )
-    if number % 4 == 0:  # near the goal
-        share, spread = 1.0, 2.0 * front
+    spread = rows[m.OWN_FOOTPRINT] + _SPREAD_CIRCLES * front + _SPREAD_SHARE * distance
+    spread *= uniform(seed, episode, stream, draw + 1)
+    if number % _NEAR_GOAL_EVERY == 0:
+        share, spread = 1.0, _SPREAD_CIRCLES * front
     via_x = share * x + spread * normal(seed, episode, stream, draw + 2)
     via_y = share * y + spread * normal(seed, episode, stream, draw + 4)
     via_heading = TWO_PI * uniform(seed, episode, stream, draw + 6)
@@ -66,30 +73,33 @@ def write_candidate(rows, number, x, y, heading):
 
 @kernel
 def _append_word(rows, word, first, middle, last, radius):
+    """Append a Dubins word with segments of these lengths [m] to ``TRIAL_PATH``."""
     sides = turns(word)
-    append(rows, TRIAL, sides[0] / radius, first)
-    append(rows, TRIAL, sides[1] / radius if word >= RLR else 0.0, middle)
-    append(rows, TRIAL, sides[2] / radius, last)
+    append(rows, m.TRIAL_PATH, sides[0] / radius, first)
+    append(rows, m.TRIAL_PATH, sides[1] / radius if word >= RLR else 0.0, middle)
+    append(rows, m.TRIAL_PATH, sides[2] / radius, last)
 
 
 @rare_kernel
 def write_sequence(rows, number, x, y, heading):
-    """Write a sequence of arcs and straights, and the shortest path from its end, into ``TRIAL``.
+    """Write a sequence of pieces, and the shortest path from its end, into ``TRIAL_PATH``.
 
     Args:
-        number: below ``SEQUENCES``: short sequences come first, each with pieces of three lengths.
-        x, y, heading: where the path is to end [m, rad].
+        rows: The HAV's memory.
+        number: Number of the sequence, below ``SEQUENCES``. Sequences of few pieces come first.
+        x: Forward coordinate of the pose at the end [m].
+        y: Left coordinate of the pose at the end [m].
+        heading: Heading of the pose at the end [rad].
     """
-    rows[TRIAL + SEGMENTS] = 0.0
-    radius = rows[OWN_CIRCLE]
-    size = number % 3
-    length = radius * (0.4 if size == 0 else (0.8 if size == 1 else 1.6))
-    rest = number // 3
+    rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
+    radius = rows[m.OWN_CIRCLE_RADIUS]
+    length = radius * _PIECE_LENGTHS[number % _NUM_LENGTHS]
+    rest = number // _NUM_LENGTHS
     via_x, via_y, via_heading = 0.0, 0.0, 0.0
     while rest > 0:
-        side = (rest - 1) % 3 - 1.0
-        rest = (rest - 1) // 3
-        append(rows, TRIAL, side / radius, length)
+        side = (rest - 1) % _PIECE_KINDS - 1.0
+        rest = (rest - 1) // _PIECE_KINDS
+        append(rows, m.TRIAL_PATH, side / radius, length)
         half = 0.5 * side * length / radius
         sine, cosine = sincos(half)
         chord = length if side == 0.0 else length * sine / half

@@ -1,64 +1,53 @@
-"""Axles of the own chain in thought: where they are, how they are pulled, what they touch."""
+"""Axles of the predicted chain: their places, how they are pulled, and what they touch."""
 
 import math
 
-from baselines.policies.reserve.memory.rows import (
-    AXLES,
-    CHAIN,
-    CLOSE,
-    DOUBT,
-    KIND,
-    NUM_AXLES,
-    NUM_SLOTS,
-    OWN_LENGTHS,
-    OWN_SAG,
-    OWN_STEP,
-    OWN_TRAILERS,
-    SEEN,
-    SLOT_AXLES,
-    STANDING,
-    SWEPT,
-    WERE,
-)
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes, states
 from baselines.policies.reserve.perception.other_agents import slot_at
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import hull_apart, segments_apart
 from hav_env.maths.kdop import SIDES, include_point
 
-_RIGHT, _TOP, _LEFT, _BOTTOM = 0, SIDES // 4, SIDES // 2, 3 * SIDES // 4
+# The sides of an outline that are those of its bounding box.
+_RIGHT_SIDE, _TOP_SIDE, _LEFT_SIDE, _BOTTOM_SIDE = 0, SIDES // 4, SIDES // 2, 3 * SIDES // 4
+COARSE_TURN = 0.25  # [rad] of the truck in a coarse step, at most: a chord is then close to its arc
 
 
 @rare_kernel
 def place_axles(rows, x, y):
-    """Write the axles of the chain whose truck's rear axle is at (x, y) [m]."""
-    length = rows[OWN_LENGTHS]
-    rows[AXLES], rows[AXLES + 1] = x + length * rows[CHAIN], y + length * rows[CHAIN + 1]
-    rows[AXLES + 2], rows[AXLES + 3] = x, y
-    for unit in range(1, int(rows[OWN_TRAILERS]) + 1):
-        length = rows[OWN_LENGTHS + unit]
-        x -= length * rows[CHAIN + 2 * unit]
-        y -= length * rows[CHAIN + 2 * unit + 1]
-        rows[AXLES + 2 * unit + 2], rows[AXLES + 2 * unit + 3] = x, y
+    """Write the axles of the predicted chain, whose truck's rear axle is at (x, y) [m]."""
+    length = rows[m.OWN_LENGTHS]
+    rows[m.AXLES], rows[m.AXLES + 1] = (
+        x + length * rows[m.PREDICTED_CHAIN],
+        y + length * rows[m.PREDICTED_CHAIN + 1],
+    )
+    rows[m.AXLES + 2], rows[m.AXLES + 3] = x, y
+    for unit in range(1, int(rows[m.OWN_TRAILERS]) + 1):
+        length = rows[m.OWN_LENGTHS + unit]
+        x -= length * rows[m.PREDICTED_CHAIN + 2 * unit]
+        y -= length * rows[m.PREDICTED_CHAIN + 2 * unit + 1]
+        rows[m.AXLES + 2 * unit + 2], rows[m.AXLES + 2 * unit + 3] = x, y
 
 
 @rare_kernel
 def move_axles(rows, x, y):
-    """Place the axles after a step, and keep where they were before it."""
-    for row in range(2 * (int(rows[OWN_TRAILERS]) + 2)):
-        rows[WERE + row] = rows[AXLES + row]
+    """Write the axles after a step, and keep those before it in ``PREVIOUS_AXLES``."""
+    for row in range(2 * (int(rows[m.OWN_TRAILERS]) + 2)):
+        rows[m.PREVIOUS_AXLES + row] = rows[m.AXLES + row]
     place_axles(rows, x, y)
 
 
 @rare_kernel
 def pull_axles(rows, x, y, cosine, sine):
-    """Move the truck to a pose and let the axles follow like ropes: a coarse step."""
-    length = rows[OWN_LENGTHS]
-    rows[AXLES], rows[AXLES + 1] = x + length * cosine, y + length * sine
-    rows[AXLES + 2], rows[AXLES + 3] = x, y
-    for unit in range(1, int(rows[OWN_TRAILERS]) + 1):
-        at = AXLES + 2 * unit + 2
+    """Move the truck to a pose in a coarse step, and pull the axles after it like ropes."""
+    length = rows[m.OWN_LENGTHS]
+    rows[m.AXLES], rows[m.AXLES + 1] = x + length * cosine, y + length * sine
+    rows[m.AXLES + 2], rows[m.AXLES + 3] = x, y
+    for unit in range(1, int(rows[m.OWN_TRAILERS]) + 1):
+        at = m.AXLES + 2 * unit + 2
         dx, dy = x - rows[at], y - rows[at + 1]
-        share = rows[OWN_LENGTHS + unit] / math.sqrt(dx * dx + dy * dy)
+        share = rows[m.OWN_LENGTHS + unit] / math.sqrt(dx * dx + dy * dy)
         x, y = x - share * dx, y - share * dy
         rows[at], rows[at + 1] = x, y
 
@@ -66,15 +55,15 @@ def pull_axles(rows, x, y, cosine, sine):
 @rare_kernel
 def include_axles(rows, outline):
     """Include all axles in an outline."""
-    for axle in range(int(rows[OWN_TRAILERS]) + 2):
-        include_point(rows, outline, rows[AXLES + 2 * axle], rows[AXLES + 2 * axle + 1])
+    for axle in range(int(rows[m.OWN_TRAILERS]) + 2):
+        include_point(rows, outline, rows[m.AXLES + 2 * axle], rows[m.AXLES + 2 * axle + 1])
 
 
 @rare_kernel
 def keeps_clear_of(rows, slot, margin):
-    """Tell whether the axles' chain is more than a margin [m] from one that stands."""
-    for axle in range(int(rows[OWN_TRAILERS]) + 1):
-        at = AXLES + 2 * axle
+    """Tell whether the chain is more than a margin [m] from a slot's HAV that stands."""
+    for axle in range(int(rows[m.OWN_TRAILERS]) + 1):
+        at = m.AXLES + 2 * axle
         if not link_keeps_clear(
             rows, slot, rows[at], rows[at + 1], rows[at + 2], rows[at + 3], margin
         ):
@@ -84,18 +73,18 @@ def keeps_clear_of(rows, slot, margin):
 
 @rare_kernel
 def link_keeps_clear(rows, slot, ax, ay, bx, by, margin):
-    """Tell whether the segment a-b is more than a margin [m] from one that stands."""
-    seen = slot + SEEN
-    margin += rows[slot + DOUBT]
+    """Tell whether the segment a-b is more than a margin [m] from a slot's HAV that stands."""
+    outline = slot + m.SLOT_OUTLINE
+    margin += rows[slot + m.SLOT_ERROR]
     if (
-        min(ax, bx) > rows[seen + _RIGHT] + margin
-        or min(ay, by) > rows[seen + _TOP] + margin
-        or -max(ax, bx) > rows[seen + _LEFT] + margin
-        or -max(ay, by) > rows[seen + _BOTTOM] + margin
+        min(ax, bx) > rows[outline + _RIGHT_SIDE] + margin
+        or min(ay, by) > rows[outline + _TOP_SIDE] + margin
+        or -max(ax, bx) > rows[outline + _LEFT_SIDE] + margin
+        or -max(ay, by) > rows[outline + _BOTTOM_SIDE] + margin
     ):
         return True
-    for other in range(int(rows[slot + NUM_AXLES]) - 1):
-        at = slot + SLOT_AXLES + 2 * other
+    for other in range(int(rows[slot + m.SLOT_NUM_AXLES]) - 1):
+        at = slot + m.SLOT_AXLES + 2 * other
         if not segments_apart(
             *(ax, ay, bx, by),
             *(rows[at], rows[at + 1], rows[at + 2], rows[at + 3]),
@@ -107,18 +96,19 @@ def link_keeps_clear(rows, slot, ax, ay, bx, by, margin):
 
 @rare_kernel
 def keeps_clear(rows, margin):
-    """Tell whether the chain keeps clear of all that stand and are close, in the step just made.
+    """Tell whether the chain keeps clear of all that stand and are close in the last step.
 
-    At its end it must keep a margin [m] from them. On the way there it must not touch them,
-    whatever way its axles take between their places (docs/safety.md, between steps).
+    At the end of the step it must keep a margin [m] from them. During the step it must not touch
+    them, however its axles move between their places (docs/safety.md, "Between steps").
     """
-    for number in range(int(rows[NUM_SLOTS])):
+    for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
         if (
-            rows[slot + KIND] == STANDING
-            and rows[slot + CLOSE] > 0.0
+            rows[slot + m.SLOT_KIND] == states.STANDING
+            and rows[slot + m.SLOT_CLOSE] > 0.0
             and not (
-                keeps_clear_of(rows, slot, margin + rows[OWN_SAG]) and _step_keeps_clear(rows, slot)
+                keeps_clear_of(rows, slot, margin + rows[m.OWN_SAG])
+                and _step_keeps_clear(rows, slot)
             )
         ):
             return False
@@ -127,60 +117,84 @@ def keeps_clear(rows, margin):
 
 @rare_kernel
 def _step_keeps_clear(rows, slot):
-    """Tell whether no link of the chain can touch one that stands on its way through the step."""
-    for axle in range(int(rows[OWN_TRAILERS]) + 1):
+    """Tell whether no link of the chain can touch a HAV that stands during the step."""
+    for axle in range(int(rows[m.OWN_TRAILERS]) + 1):
         at = 2 * axle
-        moved = max(_moved(rows, at), _moved(rows, at + 2)) + rows[OWN_STEP] + rows[OWN_SAG]
-        ends = rows[AXLES + at], rows[AXLES + at + 1], rows[AXLES + at + 2], rows[AXLES + at + 3]
+        moved = (
+            max(_axle_moved(rows, at), _axle_moved(rows, at + 2))
+            + rows[m.OWN_STEP]
+            + rows[m.OWN_SAG]
+        )
+        ends = (
+            rows[m.AXLES + at],
+            rows[m.AXLES + at + 1],
+            rows[m.AXLES + at + 2],
+            rows[m.AXLES + at + 3],
+        )
         if not link_keeps_clear(rows, slot, *ends, moved):
             _write_swept(rows, axle)
-            if not _swept_keeps_clear(rows, slot, rows[OWN_SAG] + rows[slot + DOUBT]):
+            if not _swept_keeps_clear(rows, slot, rows[m.OWN_SAG] + rows[slot + m.SLOT_ERROR]):
                 return False
     return True
 
 
 @kernel
-def _moved(rows, at):
-    """Return how far an axle [m] is from where it was a step before."""
-    dx, dy = rows[AXLES + at] - rows[WERE + at], rows[AXLES + at + 1] - rows[WERE + at + 1]
+def _axle_moved(rows, at):
+    """Return the distance [m] of an axle from its place a step before."""
+    dx, dy = (
+        rows[m.AXLES + at] - rows[m.PREVIOUS_AXLES + at],
+        rows[m.AXLES + at + 1] - rows[m.PREVIOUS_AXLES + at + 1],
+    )
     return math.sqrt(dx * dx + dy * dy)
 
 
 @rare_kernel
 def _write_swept(rows, axle):
-    """Write corners of a convex set that holds the link behind an axle all through the step.
+    """Write corners of a convex set that holds the link behind an axle during the whole step.
 
-    They are both ends of the link before and after the step, and how far the axle can get on the
-    link ahead, along which it is pulled. The front axle is pulled by nothing.
+    They are both ends of the link before the step, both after it, and the farthest place that the
+    axle reaches along the link ahead, which pulls it. Nothing pulls the front axle.
     """
     for end in range(2):
         at = 2 * (axle + end)
-        rows[SWEPT + 4 * end], rows[SWEPT + 4 * end + 1] = rows[WERE + at], rows[WERE + at + 1]
-        rows[SWEPT + 4 * end + 2], rows[SWEPT + 4 * end + 3] = (
-            rows[AXLES + at],
-            rows[AXLES + at + 1],
+        rows[m.SWEPT_CORNERS + 4 * end], rows[m.SWEPT_CORNERS + 4 * end + 1] = (
+            rows[m.PREVIOUS_AXLES + at],
+            rows[m.PREVIOUS_AXLES + at + 1],
         )
-    at, share = WERE + 2 * axle, 0.0
+        rows[m.SWEPT_CORNERS + 4 * end + 2], rows[m.SWEPT_CORNERS + 4 * end + 3] = (
+            rows[m.AXLES + at],
+            rows[m.AXLES + at + 1],
+        )
+    at, share = m.PREVIOUS_AXLES + 2 * axle, 0.0
     if axle > 0:
-        share = rows[OWN_STEP] / rows[OWN_LENGTHS + axle - 1]
+        share = rows[m.OWN_STEP] / rows[m.OWN_LENGTHS + axle - 1]
     ahead = at - 2 if axle > 0 else at
-    rows[SWEPT + 8] = rows[at] + share * (rows[ahead] - rows[at])
-    rows[SWEPT + 9] = rows[at + 1] + share * (rows[ahead + 1] - rows[at + 1])
+    rows[m.SWEPT_CORNERS + 8] = rows[at] + share * (rows[ahead] - rows[at])
+    rows[m.SWEPT_CORNERS + 9] = rows[at + 1] + share * (rows[ahead + 1] - rows[at + 1])
 
 
 @rare_kernel
 def _swept_keeps_clear(rows, slot, margin):
-    """Tell whether the convex hull of the corners in ``SWEPT`` keeps a margin [m] from one."""
-    for link in range(int(rows[slot + NUM_AXLES]) - 1):
-        at = slot + SLOT_AXLES + 2 * link
+    """Tell whether the hull of ``SWEPT_CORNERS`` keeps a margin [m] from a HAV that stands."""
+    for link in range(int(rows[slot + m.SLOT_NUM_AXLES]) - 1):
+        at = slot + m.SLOT_AXLES + 2 * link
         if not hull_apart(
-            rows, SWEPT, 5, rows[at], rows[at + 1], rows[at + 2], rows[at + 3], margin
+            rows,
+            m.SWEPT_CORNERS,
+            sizes.LINK_CORNERS,
+            rows[at],
+            rows[at + 1],
+            rows[at + 2],
+            rows[at + 3],
+            margin,
         ):
             return False
     return True
 
 
 @kernel
-def nose_swept(rows, slot, before_x, before_y, margin):
-    """Tell whether the nose kept clear of one that stands on its way from where it was [m]."""
-    return link_keeps_clear(rows, slot, before_x, before_y, rows[AXLES], rows[AXLES + 1], margin)
+def nose_keeps_clear(rows, slot, before_x, before_y, margin):
+    """Tell whether the nose keeps clear of a HAV that stands on its way from a place before [m]."""
+    return link_keeps_clear(
+        rows, slot, before_x, before_y, rows[m.AXLES], rows[m.AXLES + 1], margin
+    )

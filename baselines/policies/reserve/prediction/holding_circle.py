@@ -1,43 +1,16 @@
-"""Circles to drive on for ever: where there is room for one, and how a HAV enters it."""
+"""Circles that a HAV can drive on without end: where there is room for one, and how it enters."""
 
 import math
 
-from baselines.policies.reserve.memory.rows import (
-    AFTER,
-    AXLES,
-    BODY,
-    CHAIN,
-    CLOSE,
-    END,
-    GATHERED,
-    KEPT_AXLES,
-    KEPT_CHAIN,
-    KIND,
-    MOST_UNITS,
-    NUM_SLOTS,
-    OUTLINE,
-    OWN_BOUND,
-    OWN_CIRCLE,
-    OWN_FRONT,
-    OWN_REAR,
-    OWN_SAG,
-    OWN_STEP,
-    OWN_TRAILERS,
-    PREFERRED,
-    RESERVED,
-    SEGMENTS,
-    SHIFT,
-    SIDE,
-    STANDING,
-    TRIAL,
-    TRY,
-)
-from baselines.policies.reserve.perception.other_agents import apart, is_overseen, slot_at
+from baselines.policies.reserve.memory import rows as m
+from baselines.policies.reserve.memory import sizes, states
+from baselines.policies.reserve.perception.other_agents import is_covered, keeps_margin, slot_at
 from baselines.policies.reserve.prediction.chain import (
+    COARSE_TURN,
     keeps_clear,
     keeps_clear_of,
     move_axles,
-    nose_swept,
+    nose_keeps_clear,
     place_axles,
     pull_axles,
 )
@@ -52,34 +25,44 @@ from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI, into_frame, wrap
 from hav_env.maths.kdop import SIDES, include_disc, outside, turn_outline, widen
 
-_LEAK = 0.05  # [m] by which outlines are wider than the convex hull: axles leave it by less
-_COARSE = 0.15  # [m] by which coarse steps may be wrong
-_TOUCH = 0.01  # [m] margin that is kept from those that stand while circling
-_ENDLESS = 1e9  # [m]
+SHIFTS = 2  # straight distances before a circle to try while driving: each one costs time
+_HULL_MARGIN = 0.05  # [m] by which an outline is wider than the convex hull: steps leave it by less
+_COARSE_ERROR = 0.15  # [m] of the places of axles after coarse steps
+_CIRCLE_COARSE_STEP = 1.5  # [m] of a coarse step round a circle, at most
+_COARSE_TURNS = 3.0  # until trailers have closed in on their circles
+_EXACT_TURNS = 2.0  # that are predicted step by step at a time
+_CIRCLING_MARGIN = 0.01  # [m] to those that stand, for more turns on a circle that is reserved
+_ENDLESS = 1e9  # [m] length of an arc that no episode reaches the end of
 
 
 @rare_kernel
 def find_circle(policy, rows, x, y, heading, shifts, margin, exact):
-    """Look for a circle that the HAV can drive on for ever; the axles stay.
+    """Look for a circle that the HAV can drive on without end. The axles stay.
 
-    The side that it went to last comes first.
+    The side of the last circle comes first.
 
     Args:
-        shifts: how many distances straight on before the circle are tried, 0, then one more
-            radius each.
-        others: as in ``circle_is_free``.
+        policy: The Reserve.
+        rows: The HAV's memory, with outlines and axles as in ``circle_is_free``.
+        x: x of the truck where the reserved part ends [m].
+        y: y of the truck there [m].
+        heading: Heading of the truck there [rad].
+        shifts: Number of straight distances before the circle to try. The first one is 0, and each
+            further one is longer by a radius of the nose's circle.
+        margin: Margin to all others [m].
+        exact: As in ``circle_is_free``.
 
     Returns:
-        The side of the circle, 0.0 where there is none, and the shift [m].
+        The side of the circle, 0.0 if there is none, and the straight distance before it [m].
     """
-    for row in range(2 * MOST_UNITS + 2):
-        rows[KEPT_AXLES + row] = rows[AXLES + row]
+    for row in range(2 * sizes.MAX_UNITS + 2):
+        rows[m.SAVED_AXLES + row] = rows[m.AXLES + row]
     for choice in range(2 * shifts):
-        side = rows[PREFERRED] if choice % 2 == 0 else -rows[PREFERRED]
-        shift = (choice // 2) * rows[OWN_FRONT]
+        side = rows[m.PREFERRED_SIDE] if choice % 2 == 0 else -rows[m.PREFERRED_SIDE]
+        shift = (choice // 2) * rows[m.OWN_FRONT_RADIUS]
         free = circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact)
-        for row in range(2 * MOST_UNITS + 2):
-            rows[AXLES + row] = rows[KEPT_AXLES + row]
+        for row in range(2 * sizes.MAX_UNITS + 2):
+            rows[m.AXLES + row] = rows[m.SAVED_AXLES + row]
         if free:
             return side, shift
     return 0.0, 0.0
@@ -87,50 +70,58 @@ def find_circle(policy, rows, x, y, heading, shifts, margin, exact):
 
 @rare_kernel
 def circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact):
-    """Tell whether a HAV can drive straight on and then round a circle for ever.
+    """Tell whether a HAV can drive straight on and then round a circle without end.
 
     Args:
-        rows: ``BODY`` is the outline of what comes before, the axles are where that ends; ``TRY``
-            becomes the outline of all.
-        x, y, heading: of the truck then [m, rad]; side: of the circle; shift: straight on [m].
-        margin: to be kept [m].
-        exact: whether ``CHAIN`` is the chain then, so that in doubt the circle can be predicted,
-            and the outline may be reserved.
+        policy: The Reserve.
+        rows: The HAV's memory. ``BODY_OUTLINE`` is the outline of what comes before the circle, and
+            the axles are where that ends. ``TRIAL_OUTLINE`` becomes the outline of everything.
+        x: x of the truck where the reserved part ends [m].
+        y: y of the truck there [m].
+        heading: Heading of the truck there [rad].
+        side: Side of the circle, 1.0 left, -1.0 right.
+        shift: Straight distance before the circle [m].
+        margin: Margin to all others [m].
+        exact: Whether ``PREDICTED_CHAIN`` is the chain then. In doubt the circle is then predicted
+            step by step, and the outline may be reserved.
     """
-    rear, front = rows[OWN_REAR], rows[OWN_FRONT]
+    rear, front = rows[m.OWN_REAR_RADIUS], rows[m.OWN_FRONT_RADIUS]
     sine, cosine = sincos(heading)
     centre_x = x + shift * cosine - side * rear * sine
     centre_y = y + shift * sine + side * rear * cosine
     for number in range(SIDES):
-        rows[TRY + number] = rows[BODY + number]
-    include_disc(rows, TRY, centre_x, centre_y, front + rows[OWN_SAG])
-    widen(rows, TRY, _LEAK)
-    if exact and not is_overseen(rows, TRY, margin):
+        rows[m.TRIAL_OUTLINE + number] = rows[m.BODY_OUTLINE + number]
+    include_disc(rows, m.TRIAL_OUTLINE, centre_x, centre_y, front + rows[m.OWN_SAG])
+    widen(rows, m.TRIAL_OUTLINE, _HULL_MARGIN)
+    if exact and not is_covered(rows, m.TRIAL_OUTLINE, margin):
         return False
-    if not apart(rows, TRY, RESERVED, margin):
+    if not keeps_margin(rows, m.TRIAL_OUTLINE, states.RESERVED, margin):
         return False
-    if apart(rows, TRY, STANDING, margin):
+    if keeps_margin(rows, m.TRIAL_OUTLINE, states.STANDING, margin):
         return True
     if not exact:
-        return _drive_coarsely(rows, x, y, heading, side, shift, margin)
-    wide = max(margin, _COARSE) + rows[OWN_SAG]
-    return _drive_coarsely(rows, x, y, heading, side, shift, wide) or _drive_exactly(
+        return _passes_coarsely(rows, x, y, heading, side, shift, margin)
+    wide = max(margin, _COARSE_ERROR) + rows[m.OWN_SAG]
+    return _passes_coarsely(rows, x, y, heading, side, shift, wide) or _passes_exactly(
         policy, rows, x, y, heading, side, shift, margin
     )
 
 
 @rare_kernel
-def _drive_coarsely(rows, x, y, heading, side, shift, margin):
-    """Drive straight on and three times round the circle, in coarse steps, past who stands."""
-    radius = rows[OWN_CIRCLE]
-    step = min(1.5, 0.25 * radius)
+def _passes_coarsely(rows, x, y, heading, side, shift, margin):
+    """Tell whether the HAV passes those that stand, in coarse steps on the circle.
+
+    It drives straight on, and then ``_COARSE_TURNS`` times round the circle.
+    """
+    radius = rows[m.OWN_CIRCLE_RADIUS]
+    step = min(_CIRCLE_COARSE_STEP, COARSE_TURN * radius)
     straight = math.ceil(shift / step)
-    rounds = math.ceil(3.0 * TWO_PI * radius / step)
+    rounds = math.ceil(_COARSE_TURNS * TWO_PI * radius / step)
     turn = side * step / radius
     half, _ = sincos(0.5 * step / radius)
     chord = 2.0 * radius * half
     for number in range(straight + rounds):
-        nose_x, nose_y = rows[AXLES], rows[AXLES + 1]
+        nose_x, nose_y = rows[m.AXLES], rows[m.AXLES + 1]
         ahead = heading
         length = shift / max(straight, 1)
         if number >= straight:
@@ -139,21 +130,21 @@ def _drive_coarsely(rows, x, y, heading, side, shift, margin):
         x, y = x + length * cosine, y + length * sine
         sine, cosine = sincos(heading)
         pull_axles(rows, x, y, cosine, sine)
-        if not _clear_on_the_way(rows, nose_x, nose_y, margin):
+        if not _coarse_step_keeps_clear(rows, nose_x, nose_y, margin):
             return False
     return True
 
 
 @rare_kernel
-def _clear_on_the_way(rows, nose_x, nose_y, margin):
-    """Tell whether the axles, and the nose on its way from where it was, keep clear."""
-    for number in range(int(rows[NUM_SLOTS])):
+def _coarse_step_keeps_clear(rows, nose_x, nose_y, margin):
+    """Tell whether the axles, and the nose on its way from a place before, keep clear."""
+    for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
         if (
-            rows[slot + KIND] == STANDING
-            and rows[slot + CLOSE] > 0.0
+            rows[slot + m.SLOT_KIND] == states.STANDING
+            and rows[slot + m.SLOT_CLOSE] > 0.0
             and not (
-                nose_swept(rows, slot, nose_x, nose_y, margin)
+                nose_keeps_clear(rows, slot, nose_x, nose_y, margin)
                 and keeps_clear_of(rows, slot, margin)
             )
         ):
@@ -162,76 +153,90 @@ def _clear_on_the_way(rows, nose_x, nose_y, margin):
 
 
 @rare_kernel
-def _drive_exactly(policy, rows, x, y, heading, side, shift, margin):
-    """Drive straight on and twice round the circle, as the simulation will; the chain stays."""
-    for row in range(2 * MOST_UNITS):
-        rows[KEPT_CHAIN + row] = rows[CHAIN + row]
-    for row in range(2 * MOST_UNITS + 2):  # the coarse steps have moved them
-        rows[AXLES + row] = rows[KEPT_AXLES + row]
-    radius = rows[OWN_CIRCLE]
-    distance = rows[OWN_STEP]
+def _passes_exactly(policy, rows, x, y, heading, side, shift, margin):
+    """Tell whether the HAV passes those that stand, step by step on the circle.
+
+    It drives straight on, and then ``_EXACT_TURNS`` times round the circle. The chain stays.
+    """
+    for row in range(2 * sizes.MAX_UNITS):
+        rows[m.SAVED_CHAIN + row] = rows[m.PREDICTED_CHAIN + row]
+    for row in range(2 * sizes.MAX_UNITS + 2):  # the coarse steps have moved them
+        rows[m.AXLES + row] = rows[m.SAVED_AXLES + row]
+    radius = rows[m.OWN_CIRCLE_RADIUS]
+    distance = rows[m.OWN_STEP]
     driven, turned, free = 0.0, 0.0, True
-    while free and driven < shift + 2.0 * TWO_PI * radius:
+    while free and driven < shift + _EXACT_TURNS * TWO_PI * radius:
         wanted = side * max(driven + 0.5 * distance - shift, 0.0) / radius
         turn = turn_to(rows, wanted, turned, distance)
         x, y, _ = advance_chain(rows, x, y, turn, distance)
         turned, driven = turned + turn, driven + distance
         move_axles(rows, x, y)
         free = keeps_clear(rows, margin)
-    for row in range(2 * MOST_UNITS):
-        rows[CHAIN + row] = rows[KEPT_CHAIN + row]
+    for row in range(2 * sizes.MAX_UNITS):
+        rows[m.PREDICTED_CHAIN + row] = rows[m.SAVED_CHAIN + row]
     return free
 
 
 @rare_kernel
 def enter_circle(rows):
-    """Go round the circle behind the end of what is reserved; return whether that is possible.
+    """Write the path round the reserved circle into ``TRIAL_PATH``, and extend the reservation.
 
-    The path is left in ``TRIAL``.
+    Returns:
+        Whether that is possible.
     """
-    if rows[GATHERED] == 0.0:
+    if rows[m.GATHERED] == 0.0:
         return False
-    rows[TRIAL + SEGMENTS] = 0.0
-    append(rows, TRIAL, 0.0, rows[SHIFT])
-    append(rows, TRIAL, rows[SIDE] / rows[OWN_CIRCLE], _ENDLESS)
-    return go_round(rows, TRIAL, 0.0, 0.0, rows[SHIFT])
+    rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
+    append(rows, m.TRIAL_PATH, 0.0, rows[m.CIRCLE_SHIFT])
+    append(rows, m.TRIAL_PATH, rows[m.CIRCLE_SIDE] / rows[m.OWN_CIRCLE_RADIUS], _ENDLESS)
+    return extend_circle(rows, m.TRIAL_PATH, 0.0, 0.0, rows[m.CIRCLE_SHIFT])
 
 
 @rare_kernel
-def go_round(rows, path, driven, heading, shift):
-    """Go on along a path that ends in a circle; return whether that is possible.
+def extend_circle(rows, path, driven, heading, shift):
+    """Extend the reserved part of a path that ends in a circle by the next ``_EXACT_TURNS`` turns.
 
-    The next two turns are predicted, and must stay within what is reserved, so nobody else need be
-    asked. The HAV goes as far as that, and may then ask again: trailers may go on closing in on the
-    circle's centre for many rounds.
+    They are predicted, and must stay within the outline that is reserved already. So the outlines
+    of others do not matter. At their end the HAV extends the part again, because trailers may
+    close in on the circle's centre for many turns.
 
     Args:
-        path: where it stands; driven: how much of it is done [m].
-        heading: of the truck less that of the path's start [rad], by whole turns.
-        shift: how far it is from here to the circle [m].
+        rows: The HAV's memory.
+        path: First row of the path.
+        driven: Distance driven along it [m].
+        heading: Truck's heading less that of the path's start [rad], up to whole turns.
+        shift: Distance from here to the circle [m].
+
+    Returns:
+        Whether that is possible.
     """
-    x, y, cosine, sine = rows[AFTER], rows[AFTER + 1], rows[AFTER + 2], rows[AFTER + 3]
-    distance = rows[OWN_STEP]
-    turn_outline(rows, TRY, rows, OUTLINE, x, y, cosine, sine)
-    if not is_overseen(rows, TRY, _LEAK):
+    x, y, cosine, sine = (
+        rows[m.FRAME_AFTER],
+        rows[m.FRAME_AFTER + 1],
+        rows[m.FRAME_AFTER + 2],
+        rows[m.FRAME_AFTER + 3],
+    )
+    distance = rows[m.OWN_STEP]
+    turn_outline(rows, m.TRIAL_OUTLINE, rows, m.OUTLINE, x, y, cosine, sine)
+    if not is_covered(rows, m.TRIAL_OUTLINE, _HULL_MARGIN):
         return False
-    apart(rows, TRY, STANDING, _LEAK)  # marks who is close
+    keeps_margin(rows, m.TRIAL_OUTLINE, states.STANDING, _HULL_MARGIN)  # marks the close ones
     sense_chain(rows)
     place_axles(rows, 0.0, 0.0)
     px, py = 0.0, 0.0
-    end = driven + shift + 2.0 * TWO_PI * rows[OWN_CIRCLE]
+    end = driven + shift + _EXACT_TURNS * TWO_PI * rows[m.OWN_CIRCLE_RADIUS]
     while driven < end:
         wanted = heading_at(rows, path, driven + 0.5 * distance)
         turn = turn_to(rows, wrap(wanted - heading), 0.0, distance)
         px, py, least = advance_chain(rows, px, py, turn, distance)
         heading, driven = heading + turn, driven + distance
         move_axles(rows, px, py)
-        if least < rows[OWN_BOUND] or not keeps_clear(rows, _TOUCH):
+        if least < rows[m.OWN_LEAST_COSINE] or not keeps_clear(rows, _CIRCLING_MARGIN):
             return False
-        for axle in range(int(rows[OWN_TRAILERS]) + 2):
-            at = AXLES + 2 * axle
+        for axle in range(int(rows[m.OWN_TRAILERS]) + 2):
+            at = m.AXLES + 2 * axle
             forward, left = into_frame(rows[at] - x, rows[at + 1] - y, cosine, sine)
-            if outside(rows, OUTLINE, forward, left) > -rows[OWN_SAG]:
+            if outside(rows, m.OUTLINE, forward, left) > -rows[m.OWN_SAG]:
                 return False
-    rows[END] = driven
+    rows[m.PART_END] = driven
     return True

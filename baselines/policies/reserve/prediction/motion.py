@@ -1,63 +1,55 @@
-"""How the HAV itself will move: the steps of ``hav_env.vehicles.OnAxle``, predicted one by one.
+"""The prediction of the HAV's own steps, which are those of ``hav_env.vehicles.OnAxle``.
 
-The chain stands in a HAV's memory as cosine and sine of every unit's heading, in the frame that the
-truck has when the prediction begins.
+A HAV's memory holds its chain as cosine and sine of every unit's heading. They are in the frame
+that the truck has when the prediction begins.
 """
 
-from baselines.policies.reserve.memory.rows import (
-    CHAIN,
-    DRIVEN,
-    GOAL_HEADING,
-    OWN_GOAL,
-    OWN_JOINTS,
-    OWN_LENGTHS,
-    OWN_STEEPEST,
-    OWN_STEP,
-    OWN_TRAILERS,
-    OWN_WINDOW,
-    PATH,
-)
+from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.prediction.paths import heading_at
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import atan2, sincos
 from hav_env.maths.geometry import clip, into_frame, wrap
 
+_FOLDED = -2.0  # stands for a cosine below that of every allowed articulation
+
 
 @rare_kernel
 def sense_chain(rows):
-    """Write the own chain as it is now, the truck heading forward."""
+    """Write the own chain as it is now, in the truck's frame."""
     cosine, sine = 1.0, 0.0
-    rows[CHAIN], rows[CHAIN + 1] = cosine, sine
-    for joint in range(1, int(rows[OWN_TRAILERS]) + 1):
-        c, s = rows[OWN_JOINTS + 2 * joint - 2], rows[OWN_JOINTS + 2 * joint - 1]
+    rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1] = cosine, sine
+    for joint in range(1, int(rows[m.OWN_TRAILERS]) + 1):
+        c, s = rows[m.OWN_JOINTS + 2 * joint - 2], rows[m.OWN_JOINTS + 2 * joint - 1]
         cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-        rows[CHAIN + 2 * joint], rows[CHAIN + 2 * joint + 1] = cosine, sine
+        rows[m.PREDICTED_CHAIN + 2 * joint], rows[m.PREDICTED_CHAIN + 2 * joint + 1] = cosine, sine
 
 
 @rare_kernel
 def advance_chain(rows, x, y, turn, distance):
-    """Move a chain by one step of the simulation: sequential Euler, as ``OnAxle()`` does.
+    """Move the predicted chain by one step of the simulation, with ``OnAxle()``'s Euler method.
 
     Args:
-        rows: the HAV's memory, whose chain is moved.
-        x, y: the truck's rear axle [m].
-        turn: of the truck [rad]; distance: what the rear axle then moves [m].
+        rows: The HAV's memory, which holds the chain.
+        x: x of the truck's rear axle before the step [m].
+        y: y of the truck's rear axle before the step [m].
+        turn: Turn of the truck in the step [rad].
+        distance: Distance that its rear axle moves after that turn [m].
 
     Returns:
-        x, y and the least cosine of all articulations, -2.0 where a joint may have folded through:
-        cosines do not tell whole turns apart.
+        x and y after the step [m], and the least cosine of all articulations. That is ``_FOLDED``
+        if a joint may have folded through, which the cosine alone does not show.
     """
     sine, cosine = sincos(turn)
-    before_cosine, before_sine = rows[CHAIN], rows[CHAIN + 1]
+    before_cosine, before_sine = rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1]
     ahead_cosine = before_cosine * cosine - before_sine * sine
     ahead_sine = before_sine * cosine + before_cosine * sine
-    rows[CHAIN], rows[CHAIN + 1] = ahead_cosine, ahead_sine
+    rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1] = ahead_cosine, ahead_sine
     x, y = x + distance * ahead_cosine, y + distance * ahead_sine
     least = 1.0
-    for unit in range(1, int(rows[OWN_TRAILERS]) + 1):
-        at = CHAIN + 2 * unit
+    for unit in range(1, int(rows[m.OWN_TRAILERS]) + 1):
+        at = m.PREDICTED_CHAIN + 2 * unit
         _, bend = into_frame(rows[at], rows[at + 1], ahead_cosine, ahead_sine)
-        own_turn = -distance * bend / rows[OWN_LENGTHS + unit]
+        own_turn = -distance * bend / rows[m.OWN_LENGTHS + unit]
         sine, cosine = sincos(own_turn)
         own_cosine = rows[at] * cosine - rows[at + 1] * sine
         own_sine = rows[at + 1] * cosine + rows[at] * sine
@@ -65,16 +57,16 @@ def advance_chain(rows, x, y, turn, distance):
         rows[at], rows[at + 1] = own_cosine, own_sine
         ahead_cosine, ahead_sine = own_cosine, own_sine
         distance *= straightness
-        folded = abs(own_turn - turn) >= rows[OWN_WINDOW]
-        least = min(least, -2.0 if folded else straightness)
+        folded = abs(own_turn - turn) >= rows[m.OWN_FOLD_TURN]
+        least = min(least, _FOLDED if folded else straightness)
         turn = own_turn
     return x, y, least
 
 
 @kernel
 def turn_to(rows, wanted, heading, distance):
-    """Return the turn [rad] towards a wanted heading that the wheels allow in one step."""
-    most = distance * rows[OWN_STEEPEST] / rows[OWN_LENGTHS]
+    """Return the turn [rad] towards a wanted heading that the steering allows in one step."""
+    most = distance * rows[m.OWN_STEERING_TANGENT] / rows[m.OWN_LENGTHS]
     return clip(wanted - heading, -most, most)
 
 
@@ -82,22 +74,22 @@ def turn_to(rows, wanted, heading, distance):
 def follow(rows):
     """Return the turn [rad] and the distance [m] of the next step along the path.
 
-    The truck turns first and then moves along its new heading, so the right heading is the
-    path's half a step ahead. Where the truck heads is told by where it sees its goal.
+    The truck turns first and then moves along its new heading. So the right heading is that of the
+    path half a step ahead. The truck's own heading follows from the sensed heading of its goal.
     """
-    distance = rows[OWN_STEP]
-    wanted = heading_at(rows, PATH, rows[DRIVEN] + 0.5 * distance)
+    distance = rows[m.OWN_STEP]
+    wanted = heading_at(rows, m.CURRENT_PATH, rows[m.DRIVEN] + 0.5 * distance)
     return turn_to(rows, wrap(wanted - path_heading(rows)), 0.0, distance), distance
 
 
 @kernel
 def path_heading(rows):
-    """Return the truck's heading [rad] less the one with which the path starts, by whole turns."""
-    return rows[GOAL_HEADING] - rows[OWN_GOAL + 2]
+    """Return the truck's heading less that of the path's start [rad], up to whole turns."""
+    return rows[m.PLANNED_GOAL_HEADING] - rows[m.OWN_GOAL + 2]
 
 
 @kernel
 def command(policy, rows, turn, distance):
     """Return speed [m/s] and steering [rad] of a step."""
-    steering = atan2(turn * rows[OWN_LENGTHS], distance) if distance > 0.0 else 0.0
+    steering = atan2(turn * rows[m.OWN_LENGTHS], distance) if distance > 0.0 else 0.0
     return distance / policy.dt, steering
