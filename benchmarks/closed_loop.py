@@ -18,7 +18,7 @@ import pyarrow.compute as pc
 
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.dubins_pursuit import DubinsPursuit
-from benchmarks.five_trailers import POLICY, SCENARIO, VEHICLE
+from benchmarks.yardsticks.five_trailers import POLICY, SCENARIO, VEHICLE
 from hav_env import Batch, OnAxle, RandomPoses, Task
 from hav_env.evaluation.rollout import rollout
 

@@ -12,10 +12,10 @@ from typing import Annotated
 import tyro
 from rich.console import Console
 
-from benchmarks import fresh_process
-from benchmarks.aims import Aim, Key, Rates, find_aims
-from benchmarks.clocks import Run
-from benchmarks.faces import (
+from benchmarks.interfaces import fresh_process
+from benchmarks.interfaces.aims import Aim, Key, Rates, find_aims
+from benchmarks.interfaces.clocks import Run
+from benchmarks.interfaces.faces import (
     FEW_WORLDS,
     MPE_STEPS,
     SHORT,
@@ -25,7 +25,7 @@ from benchmarks.faces import (
     prepare_vector_row,
     vector_rows,
 )
-from benchmarks.peers import Peer, missing_packages, prepare_peers
+from benchmarks.interfaces.peers import Peer, missing_packages, prepare_peers
 from benchmarks.tables import new_table, rate_text
 from benchmarks.turns import medians_in_turns
 

@@ -18,13 +18,14 @@ from typing import Annotated, NamedTuple
 import tyro
 from rich.console import Console
 
-from benchmarks import fresh_process, limit
 from benchmarks.closed_loop import FIVE_TRAILERS, NO_POLICY, WORKLOADS, Version
-from benchmarks.kinematics import kinematics_rate
-from benchmarks.peers import missing_packages, peer_rates
+from benchmarks.interfaces import fresh_process
+from benchmarks.interfaces.peers import missing_packages, peer_rates
 from benchmarks.tables import by_row, new_table, rate_text, ratio_text
 from benchmarks.turns import medians_in_turns
-from benchmarks.yardsticks import check, drive_plain_python, drive_small_arrays
+from benchmarks.yardsticks import limit
+from benchmarks.yardsticks.driving import check, drive_plain_python, drive_small_arrays
+from benchmarks.yardsticks.kinematics import kinematics_rate
 
 SCALAR = "8a46ef1"  # the last revision that worked on one HAV at a time
 PLAIN, ARRAYS = "plain Python floats", "small NumPy arrays"

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import hav_env
-from benchmarks.aims import find_aims
-from benchmarks.clocks import clocked, spread_ends
-from benchmarks.empty import EmptyParallelEnv, make_empty
 from benchmarks.environments import as_json
-from benchmarks.faces import (
+from benchmarks.interfaces.aims import find_aims
+from benchmarks.interfaces.clocks import clocked, spread_ends
+from benchmarks.interfaces.empty import EmptyParallelEnv, make_empty
+from benchmarks.interfaces.faces import (
     HAVS,
     PARALLEL,
     PARALLEL_EMPTY,
@@ -22,8 +22,8 @@ from benchmarks.faces import (
     empty,
     made,
 )
-from benchmarks.fresh_process import import_hav_env
-from benchmarks.peers import MPE_SPREAD, NAVIGATION, Peer
+from benchmarks.interfaces.fresh_process import import_hav_env
+from benchmarks.interfaces.peers import MPE_SPREAD, NAVIGATION, Peer
 
 
 def kinds(value):

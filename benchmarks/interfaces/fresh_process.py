@@ -1,8 +1,8 @@
 """What a fresh process costs: seconds to its first finished experiment, imports, and memory.
 
-Run as a script it is that process: ``python -m benchmarks.fresh_process 500`` runs so many of the
-paper's experiments in slices, as ``python -m baselines reproduce`` does, and prints its peak
-memory [MiB].
+Run as a script it is that process: ``python -m benchmarks.interfaces.fresh_process 500`` runs so
+many of the paper's experiments in slices, as ``python -m baselines reproduce`` does, and prints its
+peak memory [MiB].
 """
 
 import os
@@ -13,7 +13,7 @@ import tempfile
 import time
 
 _SLICE = 500  # episodes of one rollout; their records are dropped before the next
-_MODULE = "benchmarks.fresh_process"
+_MODULE = "benchmarks.interfaces.fresh_process"
 _IMPORT = """
 import sys, time
 start = time.perf_counter()

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from benchmarks.faces import (
+from benchmarks.interfaces.faces import (
     FEW_WORLDS,
     HAVS,
     PARALLEL,
@@ -15,7 +15,7 @@ from benchmarks.faces import (
     empty,
     made,
 )
-from benchmarks.peers import BICYCLE, MPE_SPREAD, NAVIGATION, VMAS_SPREAD, Peer
+from benchmarks.interfaces.peers import BICYCLE, MPE_SPREAD, NAVIGATION, VMAS_SPREAD, Peer
 
 Key = Vector | Peer | str  # of a row: a vector environment, a peer, an environment of one world
 Rates = dict[Key, float]  # agent-steps/s

@@ -6,9 +6,9 @@ goal. They do what one would write without a compiler, and less than hav_env doe
 records (close misses, largest articulation, driven path).
 """
 
-from benchmarks.five_trailers import POLICY, SCENARIO, TASK, VEHICLE, Outcome
-from benchmarks.plain_python import drive_plain_python
-from benchmarks.small_arrays import drive_small_arrays
+from benchmarks.yardsticks.five_trailers import POLICY, SCENARIO, TASK, VEHICLE, Outcome
+from benchmarks.yardsticks.plain_python import drive_plain_python
+from benchmarks.yardsticks.small_arrays import drive_small_arrays
 from hav_env import Batch
 from hav_env.policies.interface import allocate_memory, decide
 from hav_env.world.arrays import JACKKNIFE, PHASE, WHEN

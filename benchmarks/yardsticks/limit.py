@@ -1,7 +1,8 @@
 """The limit of the hardware: the closed loop of one HAV in C++ on one thread, ``limit.cpp``.
 
-``python -m benchmarks.limit`` builds it, checks it and prints how fast it runs. It is a yardstick
-for the compiled simulator: how much a program that simulates this problem alone could still gain.
+``python -m benchmarks.yardsticks.limit`` builds it, checks it and prints how fast it runs. It is a
+yardstick for the compiled simulator: how much a program that simulates this problem alone could
+still gain.
 """
 
 import functools
@@ -21,7 +22,9 @@ from rich.console import Console
 from rich.table import Table
 
 from baselines.policies.avoid_jack import AvoidJack
-from benchmarks.five_trailers import (
+from benchmarks.turns import medians_in_turns
+from benchmarks.yardsticks.driving import drive_compiled
+from benchmarks.yardsticks.five_trailers import (
     GOALS,
     LENGTHS,
     POLICY,
@@ -30,9 +33,7 @@ from benchmarks.five_trailers import (
     VEHICLE,
     Outcome,
 )
-from benchmarks.plain_python import drive_plain_python
-from benchmarks.turns import medians_in_turns
-from benchmarks.yardsticks import drive_compiled
+from benchmarks.yardsticks.plain_python import drive_plain_python
 from hav_env import OnAxle, explicit
 
 _SOURCE = pathlib.Path(__file__).with_name("limit.cpp")

@@ -1,6 +1,6 @@
 """What other multi-agent simulators do on their own tasks: agent-steps per second, random actions.
 
-``python -m benchmarks.peers`` prints the table. The peers are optional:
+``python -m benchmarks.interfaces.peers`` prints the table. The peers are optional:
 ``pip install 'mpe2>=1.1' 'vmas>=1.5'`` brings them, and the rows of one that is missing are left
 out. (mpe2 before 1.1 wants ``pygame``, which cannot live beside ``pygame-ce``.) Their tasks differ
 from this project's and from each other, so the figures tell orders of magnitude and no more.
@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import tyro
 from rich.console import Console
 
-from benchmarks.clocks import DRAWN, Run, clocked, prepare_parallel
+from benchmarks.interfaces.clocks import DRAWN, Run, clocked, prepare_parallel
 from benchmarks.tables import new_table, rate_text
 from benchmarks.turns import medians_in_turns
 

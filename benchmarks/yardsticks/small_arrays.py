@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from benchmarks.five_trailers import (
+from benchmarks.yardsticks.five_trailers import (
     COSINE_LIMIT,
     GOALS,
     LENGTHS,

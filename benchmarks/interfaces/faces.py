@@ -7,14 +7,14 @@ from typing import NamedTuple
 import gymnasium as gym
 
 import hav_env
-from benchmarks.clocks import (
+from benchmarks.interfaces.clocks import (
     Run,
     prepare_parallel,
     prepare_rows,
     prepare_single,
     prepare_vector,
 )
-from benchmarks.empty import EmptyParallelEnv, make_empty
+from benchmarks.interfaces.empty import EmptyParallelEnv, make_empty
 
 SWARM, SINGLE, SB3 = "HAVSwarm-v0", "HAVSingle-v0", "HAVVecEnv"
 HAVS = {SWARM: 2, SINGLE: 1}

@@ -1,0 +1,1 @@
+"""This package measures environments through the interfaces that users call."""
