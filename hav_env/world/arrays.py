@@ -122,8 +122,12 @@ def allocate_worlds(
     """Return the arrays of a batch; a scenario fills them.
 
     Args:
-        num_worlds, num_havs, num_units, num_goals: W, N, U, G.
+        num_worlds: W.
+        num_havs: N.
+        num_units: U.
+        num_goals: G.
         continuous: whether collisions between steps are looked for.
+        zeros: makes each array from its shape and kind of numbers.
 
     Until then they hold HAVs that wait far from each other, which costs little to step along.
     """
@@ -224,6 +228,12 @@ def set_limits(scenario, fleet, agent, lane):
 def into_truck_frame(state, agent, lane, dx, dy):
     """Rotate a difference of positions [m], or a direction, into a truck's frame: forward, left."""
     return into_frame(dx, dy, state.cosine[agent, 0, lane], state.sine[agent, 0, lane])
+
+
+@kernel
+def is_removed(world, agent, lane):
+    """Tell whether a HAV was removed from its world; in Python also of many, given slices."""
+    return world.record.total[agent, REMOVED, lane] != 0.0
 
 
 @kernel
