@@ -39,7 +39,8 @@ class Camera:
         """Move towards a view of a box.
 
         Args:
-            low, high: (2,) its corners [m].
+            low: (2,) its lower left corner [m].
+            high: (2,) its upper right corner [m].
             margin: pixels that are kept free round it.
             zoom: how many times larger than that everything appears.
         """

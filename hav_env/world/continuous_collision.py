@@ -9,7 +9,7 @@ import math
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import segments_intersect
 from hav_env.world.arrays import HIGH, LEFT, LOW, RIGHT
-from hav_env.world.collision import axle_behind, front_axle
+from hav_env.world.chain import axle_behind, front_axle
 
 
 @rare_kernel
