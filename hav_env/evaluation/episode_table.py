@@ -216,7 +216,8 @@ def tabulate(worlds: World, start: np.ndarray, policy, task: Task = Task()) -> p
     columns: dict[str, Any] = {}
 
     def add(column: Column, at: tuple[int, ...] = (), **words: Any) -> None:
-        values = column.values(records, *at)
+        with np.errstate(divide="ignore", invalid="ignore"):  # in rows without a value
+            values = column.values(records, *at)
         if column.known is not None:
             values = pa.array(values, mask=~column.known(records, *at))
         columns[column.name.format(**words)] = values
