@@ -38,7 +38,8 @@ def choose_episodes(single: pa.Table, pair: pa.Table) -> dict[str, Excerpt | Non
     """Choose excerpts that show what happens, None for what does not occur in the tables.
 
     Args:
-        single, pair: tables of one and of two HAVs per episode, each with two goals.
+        single: table of one HAV per episode, with two goals.
+        pair: the same of two HAVs.
 
     Returns:
         hit: both goals hit, three to five trailers, detours near the median. jackknife: the first

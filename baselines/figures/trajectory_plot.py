@@ -62,7 +62,9 @@ def save_figure(
     """Write name.png and name.svg, each whole or not at all; equal figures give equal bytes.
 
     Args:
-        figure, folder, name: what to write, and where; the folder is made.
+        figure: what to write.
+        folder: where to; it is made.
+        name: of the files, without a suffix.
         kinds: which of the two files.
 
     Returns:

@@ -11,11 +11,11 @@ from baselines.storage.archives import Head, one_line, read_archive
 from baselines.storage.atomic_files import whole_file
 from hav_env.world.arrays import NEVER
 
-_KIND, _VERSION = "hav_env trajectory", 1
-_MOST_BYTES = 1 << 29  # unpacked
+_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 1
+_MOST_UNPACKED = 1 << 29  # unpacked
 _HEADS = 1 << 16  # [bytes] at most, of all arrays
-_FARTHEST = 1e9  # [m], [rad]: beyond it nothing is meant
-_LONGEST = 1e6  # [s] of an episode
+_MOST_METRES = 1e9  # [m], [rad]: beyond it nothing is meant
+_MOST_SECONDS = 1e6  # [s] of an episode
 _LONGEST_NAME = 200  # characters
 # of every field: NumPy's kinds of numbers that are allowed, and its shape
 _LAYOUT = {
@@ -53,14 +53,14 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike) -> None:
     """
     fields: dict = trajectory._asdict()
     size = sum(np.asarray(value).nbytes for value in fields.values())
-    if size > _MOST_BYTES - _HEADS:
+    if size > _MOST_UNPACKED - _HEADS:
         raise ValueError(
-            f"the episode has {size:,} bytes, but must have at most {_MOST_BYTES - _HEADS:,}:"
+            f"the episode has {size:,} bytes, but must have at most {_MOST_UNPACKED - _HEADS:,}:"
             " keep fewer of its states"
         )
     # given an open file, NumPy does not add a suffix of its own
     with whole_file(pathlib.Path(path)) as unfinished, unfinished.open("wb") as file:
-        np.savez_compressed(file, kind=_KIND, version=_VERSION, **fields)
+        np.savez_compressed(file, kind=_ARCHIVE_KIND, version=_VERSION, **fields)
 
 
 def load_trajectory(path: str | os.PathLike) -> Trajectory:
@@ -81,15 +81,15 @@ def load_trajectory(path: str | os.PathLike) -> Trajectory:
 
 def _read(file: BinaryIO) -> Trajectory:
     try:
-        told = read_archive(file, {"kind": "U", "version": "i"}, _MOST_BYTES)
+        told = read_archive(file, {"kind": "U", "version": "i"}, _MOST_UNPACKED)
     except ValueError as error:
         raise ValueError(f"an archive of another kind: {error}") from None
-    if told["kind"].item() != _KIND:
+    if told["kind"].item() != _ARCHIVE_KIND:
         raise ValueError("an archive of another kind")
     if told["version"].shape or told["version"] != _VERSION:
         raise ValueError(f"version {told['version']} of the layout, not {_VERSION}")
     kinds = {name: kinds for name, (kinds, _) in _LAYOUT.items()}
-    arrays = read_archive(file, kinds, _MOST_BYTES, _check_shapes)
+    arrays = read_archive(file, kinds, _MOST_UNPACKED, _check_shapes)
     fields: dict[str, Any] = {
         name: array if array.ndim else array.item() for name, array in arrays.items()
     }
@@ -123,9 +123,9 @@ def _check(trajectory: Trajectory) -> None:
         "an impossible number of trailers": (
             (trajectory.num_trailers >= 1) & (trajectory.num_trailers < units)
         ).all(),
-        "an impossible length": ((lengths > 0) & (lengths <= _FARTHEST)).all(),
-        "an impossible duration of a step": 0 < trajectory.dt <= _LONGEST,
-        "an impossible duration": trajectory.step[-1] * trajectory.dt <= _LONGEST,
+        "an impossible length": ((lengths > 0) & (lengths <= _MOST_METRES)).all(),
+        "an impossible duration of a step": 0 < trajectory.dt <= _MOST_SECONDS,
+        "an impossible duration": trajectory.step[-1] * trajectory.dt <= _MOST_SECONDS,
         "an impossible limit": (
             (trajectory.articulation_max > 0) & (trajectory.articulation_max <= np.pi)
         ).all(),
@@ -136,7 +136,7 @@ def _check(trajectory: Trajectory) -> None:
         "a HAV that there is not": ((others >= NEVER) & (others < havs)).all(),
         "a joint that there is not": ((events >= NEVER) & (events < units)).all(),
         "a number that is too large or not finite": all(
-            (np.abs(values) <= _FARTHEST).all()
+            (np.abs(values) <= _MOST_METRES).all()
             for values in (
                 trajectory.x,
                 trajectory.y,

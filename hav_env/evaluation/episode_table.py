@@ -78,15 +78,15 @@ def _of_event(event: Event) -> tuple[Column, ...]:
     )
 
 
-_JACKKNIFED = EVENTS[JACKKNIFE]
+_JACKKNIFE_EVENT = EVENTS[JACKKNIFE]
 
 
 def _jackknifed(records: HavRecords) -> np.ndarray:
-    return records.happened(_JACKKNIFED)
+    return records.happened(_JACKKNIFE_EVENT)
 
 
 def _joint(records: HavRecords) -> np.ndarray:
-    return records.joint_of(_JACKKNIFED)
+    return records.joint_of(_JACKKNIFE_EVENT)
 
 
 def _trailer_lengths(records: HavRecords) -> pa.ListArray:
@@ -113,7 +113,7 @@ COLUMNS = (
     Column("footprint_radius", "m", lambda records: records.radius[:, FOOTPRINT]),
     Column("stable_radius", "m", lambda records: records.radius[:, STABLE]),
     *_poses("start", lambda records: records.start),
-    *_of_event(_JACKKNIFED),
+    *_of_event(_JACKKNIFE_EVENT),
     Column("joint_position", "1", _joint_position, _jackknifed),
     Column(
         "joint_length_difference",
@@ -128,7 +128,7 @@ COLUMNS = (
         "1",
         lambda records: records.length_differences.sum(axis=1) / records.vehicle_length,
     ),
-    *(column for event in EVENTS if event is not _JACKKNIFED for column in _of_event(event)),
+    *(column for event in EVENTS if event is not _JACKKNIFE_EVENT for column in _of_event(event)),
     Column("steps", "steps", lambda records: records.clock[STEP]),
     Column("moving_steps", "steps", lambda records: records.total[:, MOVED].astype(np.int64)),
     Column("path_length", "m", lambda records: records.total[:, PATH]),

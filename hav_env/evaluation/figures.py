@@ -28,16 +28,18 @@ class Figure(NamedTuple):
     """It is shown where there is more than one HAV in a world."""
 
 
-def _of_event(event: Event) -> Figure:
+def figure_of_event(event: Event) -> Figure:
+    """Return the figure of an event: the share of HAVs to which it has happened."""
     return Figure(event.label, event.name, True, False, event.company)
 
 
 GOAL_HIT = Figure("goal {goal} hit", "goal_{goal}_hit", True, True)
+FOLDED_THROUGH = Figure("folded through", "folded_through", True, False)
 FIGURES = (
-    _of_event(EVENTS[0]),
+    figure_of_event(EVENTS[0]),
     GOAL_HIT,
-    *map(_of_event, EVENTS[1:]),
-    Figure("folded through", "folded_through", True, False),
+    *map(figure_of_event, EVENTS[1:]),
+    FOLDED_THROUGH,
     Figure("goal {goal} step", "goal_{goal}_step", False, False),
     Figure("goal {goal} driven / Dubins", "goal_{goal}_length_ratio", False, False),
     Figure("largest articulation [rad]", "largest_articulation", False, False),
