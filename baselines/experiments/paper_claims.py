@@ -1,4 +1,4 @@
-"""What the paper says of its experiments in words, measured in ours."""
+"""Claims of the paper about its experiments, measured in ours."""
 
 from typing import Any
 

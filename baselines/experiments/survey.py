@@ -60,7 +60,7 @@ SURVEY = (
 
 @dataclasses.dataclass(frozen=True)
 class Sample:
-    """Which part of the episodes is run, and where the results go."""
+    """The share of the episodes that is run, and the folder of the results."""
 
     share: float = 1.0
     """Of the episodes, to see something soon; at least one is run."""
@@ -76,7 +76,7 @@ class Sample:
 
 @dataclasses.dataclass(frozen=True)
 class Options(Sample):
-    """What to look at."""
+    """Options of a survey."""
 
     scenarios: tuple[str, ...] = tuple(entry.scenario for entry in SURVEY)
     """Which of the survey's scenarios."""
@@ -95,7 +95,7 @@ class Run(NamedTuple):
 
 
 class Findings(NamedTuple):
-    """What came of a policy in a scenario."""
+    """The outcome of a policy in a scenario."""
 
     harmed: tuple[int, ...]
     """To how many HAVs each event of ``HARM`` happened."""

@@ -1,4 +1,4 @@
-"""Which part of an episode to look at, and which episodes of a table show what happens."""
+"""Representative episodes of a table, and excerpts of them that show an event."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from baselines.replay.trajectory import Trajectory
 
 
 class Excerpt(NamedTuple):
-    """Which part of an episode to look at, and at what."""
+    """A part of an episode, and the event that it shows."""
 
     episode: int
     num_havs: int

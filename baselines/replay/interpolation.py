@@ -1,4 +1,4 @@
-"""What an episode looks like at any moment, between the states that were kept, too."""
+"""The scene of an episode at any moment, interpolated between the recorded states."""
 
 import math
 

@@ -43,7 +43,7 @@ class Trajectory(NamedTuple):
     footprint: np.ndarray  # (N,) radius d_i [m]
     articulation_max: np.ndarray  # (N,) jackknifed beyond it [rad]
     goals: np.ndarray  # (N, G, 3) x [m], y [m], heading [rad]
-    first: np.ndarray  # (N, 3, 2) events JACKKNIFE .. ACTUAL: WHEN (step) and WHERE, or NEVER
+    first: np.ndarray  # (N, E, 2) rows of EVENTS: WHEN (step) and WHERE, or NEVER
     hit_step: np.ndarray  # (N, G) at which each goal was hit, or NEVER
     dt: float  # duration of a step [s]
     policy: str  # a name to be shown, like the next

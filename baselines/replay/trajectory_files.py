@@ -9,7 +9,8 @@ import numpy as np
 from baselines.replay.trajectory import Trajectory
 from baselines.storage.archives import Head, one_line, read_archive
 from baselines.storage.atomic_files import whole_file
-from hav_env.world.arrays import NEVER
+from hav_env.world.arrays import NEVER, WHEN, WHERE
+from hav_env.world.event_table import EVENTS
 
 _ARCHIVE_KIND, _VERSION = "hav_env trajectory", 1
 _MOST_UNPACKED = 1 << 29  # unpacked
@@ -34,7 +35,7 @@ _LAYOUT = {
     "footprint": ("f", "N"),
     "articulation_max": ("f", "N"),
     "goals": ("f", "NG3"),
-    "first": ("i", "N32"),
+    "first": ("i", "NE2"),
     "hit_step": ("i", "NG"),
     "dt": ("f", ""),
     "policy": ("U", ""),
@@ -98,7 +99,7 @@ def _read(file: BinaryIO) -> Trajectory:
 
 def _check_shapes(heads: dict[str, Head]) -> None:
     """Check the shapes before anything is read: of what belongs together they are the same."""
-    sizes = {"2": 2, "3": 3}
+    sizes = {"2": 2, "3": 3, "E": len(EVENTS)}
     for name, (_, axes) in _LAYOUT.items():
         shape = heads[name].shape
         # the first array that has an axis says how long it is
@@ -114,9 +115,10 @@ def _check(trajectory: Trajectory) -> None:
     if not trajectory.x.size or not trajectory.goals.size:
         raise ValueError("no state or no HAV")
     present = np.arange(units) <= trajectory.num_trailers[:, None]
-    events = trajectory.first[:, 0, 1]  # the joints of jackknifes
-    others = np.concatenate([trajectory.evaded.ravel(), trajectory.first[:, 1:, 1].ravel()])
-    when = np.concatenate([trajectory.hit_step.ravel(), trajectory.first[..., 0].ravel()])
+    joints = trajectory.first[:, [event.row for event in EVENTS if event.place == "joint"], WHERE]
+    partners = trajectory.first[:, [event.row for event in EVENTS if event.company], WHERE]
+    others = np.concatenate([trajectory.evaded.ravel(), partners.ravel()])
+    when = np.concatenate([trajectory.hit_step.ravel(), trajectory.first[..., WHEN].ravel()])
     lengths = trajectory.length[present]
     laws = {
         "steps out of order": trajectory.step[0] >= 0 and (np.diff(trajectory.step) > 0).all(),
@@ -134,7 +136,7 @@ def _check(trajectory: Trajectory) -> None:
         ).all(),
         "a step that there is not": ((when >= NEVER) & (when <= trajectory.step[-1])).all(),
         "a HAV that there is not": ((others >= NEVER) & (others < havs)).all(),
-        "a joint that there is not": ((events >= NEVER) & (events < units)).all(),
+        "a joint that there is not": ((joints >= NEVER) & (joints < units)).all(),
         "a number that is too large or not finite": all(
             (np.abs(values) <= _MOST_METRES).all()
             for values in (

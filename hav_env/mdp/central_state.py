@@ -1,4 +1,4 @@
-"""What is the case in a whole world, for critics that see everything: one row, in its own frame."""
+"""The state of a whole world as one row of numbers, for centralized critics."""
 
 import numpy as np
 from gymnasium import spaces

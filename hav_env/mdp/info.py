@@ -1,4 +1,4 @@
-"""What is told of each HAV beside its observation: running totals of an episode, by name."""
+"""The report on each HAV beside its observation: running totals of an episode, by name."""
 
 from hav_env.compiled import kernel
 from hav_env.world.arrays import (

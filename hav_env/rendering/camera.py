@@ -1,4 +1,4 @@
-"""Which part of the plane is seen, and where a point of it appears."""
+"""The camera: it chooses the visible part of the plane and projects points into the picture."""
 
 import math
 

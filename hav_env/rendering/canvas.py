@@ -1,4 +1,4 @@
-"""What is drawn on: shapes, twice as large and then shrunk to smooth their edges; then texts."""
+"""The canvas: shapes, drawn twice as large and shrunk to smooth their edges; then texts."""
 
 import itertools
 import math

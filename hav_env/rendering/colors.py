@@ -18,6 +18,7 @@ CALM: Color = (96, 106, 118)
 AMBER: Color = (230, 150, 0)
 RED: Color = (214, 16, 32)
 EVASION: Color = (224, 118, 0)
+EVENT_COLORS = {"alert": RED, "warning": AMBER}  # as hav_env.world.event_table names them
 
 PALETTE: tuple[Color, ...] = (
     (0, 114, 178),  # blue

@@ -1,4 +1,4 @@
-"""What lies below the HAVs: the grid, and the trails of the trucks."""
+"""The ground below the HAVs: the grid, and the trails of the trucks."""
 
 import itertools
 

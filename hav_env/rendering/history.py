@@ -1,4 +1,4 @@
-"""What a single scene does not tell: where the HAVs came from, and what has happened lately."""
+"""The recent past of a scene: trails of the trucks, and the latest events."""
 
 import collections
 

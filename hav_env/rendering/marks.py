@@ -1,4 +1,4 @@
-"""Where HAVs want to go, and what is between them: goals, footprints, evasions."""
+"""Marks around the HAVs: goals, footprints, evasions."""
 
 import numpy as np
 

@@ -1,10 +1,10 @@
-"""What is written on the picture: clock and counts, each HAV in a line, events, a scale bar."""
+"""Text on the picture: clock and counts, each HAV in a line, events, a scale bar."""
 
 import numpy as np
 
 from hav_env.rendering.camera import Camera
 from hav_env.rendering.canvas import Canvas
-from hav_env.rendering.colors import DIM, INK, PALE, RED, Color, color_of, color_of_bend
+from hav_env.rendering.colors import DIM, EVENT_COLORS, INK, PALE, Color, color_of, color_of_bend
 from hav_env.rendering.ground import grid_spacing
 from hav_env.rendering.history import History
 from hav_env.rendering.scene import Scene, bends_of, count_flags, goal_distance, harms_of
@@ -38,7 +38,7 @@ def _draw_clock(canvas: Canvas, scene: Scene) -> float:
     lines = [(f"{waiting} of {len(scene.x)} at goal", INK)]
     for name, count in count_flags(scene).items():
         if count and name != "at goal":
-            lines.append((f"{count} {name}", RED if name in _BAD else INK))
+            lines.append((f"{count} {name}", _HARM_COLORS.get(name, INK)))
     height = 2 * _EDGE + 28 + _LINE * len(lines)
     canvas.panel(_EDGE, _EDGE, _PANEL, height)
     canvas.text(f"{scene.time:.1f} s", (2 * _EDGE, 2 * _EDGE - 2), 32)
@@ -66,7 +66,7 @@ def _draw_list(canvas: Canvas, scene: Scene, top: float) -> None:
             canvas.bar(_PANEL - 46, middle - 3, 46 * min(share, 1.0), 6, color_of_bend(share))
 
 
-_BAD = tuple(event.state for event in HARM)
+_HARM_COLORS = {event.state: EVENT_COLORS[event.color] for event in HARM}
 
 
 def _state_of(scene: Scene, hav: int) -> tuple[str, Color]:
@@ -74,7 +74,7 @@ def _state_of(scene: Scene, hav: int) -> tuple[str, Color]:
     if scene.removed[hav]:
         return "removed", DIM
     for event in harms_of(scene, hav):
-        return event.state, RED
+        return event.state, _HARM_COLORS[event.state]
     if scene.waiting[hav]:
         return "at goal", DIM
     if scene.evaded[hav] >= 0:
@@ -92,7 +92,9 @@ def _draw_events(canvas: Canvas, history: History) -> None:
     for k, (time, text) in enumerate(history.events):
         middle = top + _EDGE + _LINE * (k + 0.5) - 3
         canvas.text(f"{time:.1f} s", (_EDGE + 58, middle), 16, DIM, "midright")
-        canvas.text(text, (_EDGE + 66, middle), 16, RED if text.endswith(_BAD) else INK, "midleft")
+        harms = [color for state, color in _HARM_COLORS.items() if text.endswith(state)]
+        color = harms[0] if harms else INK
+        canvas.text(text, (_EDGE + 66, middle), 16, color, "midleft")
 
 
 def _draw_scale_bar(canvas: Canvas, camera: Camera) -> None:

@@ -1,4 +1,4 @@
-"""What there is to see of one world at one moment, apart from the simulator and from any drawing.
+"""The visible state of one world at one moment, apart from the simulator and from any drawing.
 
 Shapes as in ``hav_env.world.arrays``: N HAVs, U units of a HAV.
 """

@@ -20,7 +20,7 @@ class Event(NamedTuple):
     stem: str
     """Begins the names of the columns that tell the step and the place."""
     place: str
-    """What WHERE tells: the "joint" of the HAV, or the "partner" in a collision."""
+    """Meaning of WHERE: the "joint" of the HAV, or the "partner" in a collision."""
     label: str
     """Name of its figure."""
     state: str
