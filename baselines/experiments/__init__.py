@@ -1,0 +1,1 @@
+"""Experiments that are run as a whole: the paper's, surveys, ablations."""

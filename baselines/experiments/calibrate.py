@@ -4,7 +4,6 @@ import math
 import pathlib
 from typing import Any, NamedTuple
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -14,7 +13,7 @@ from baselines.evaluation.runs import Experiments, check_experiments, run_experi
 from baselines.experiments.reproduce import PUBLISHED
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.storage.locks import sole_user
-from hav_env.evaluation.statistics import wilson
+from hav_env.evaluation.figures import FOLDED_THROUGH, measure
 from hav_env.scenarios.presets import SCENARIOS
 from hav_env.vehicles import OnAxle
 
@@ -118,12 +117,12 @@ def _jobs(choice: Choice, experiments: int, seed: int) -> dict[str, Experiments]
 
 
 def _measure(path: pathlib.Path, scenario: str) -> dict[str, float]:
-    figures = [published for published in PUBLISHED if published.scenario == scenario]
-    table = pq.read_table(path, columns=[*{p.column for p in figures}, "folded_through"])
+    figures = [published.figure for published in PUBLISHED if published.scenario == scenario]
+    figures.append(FOLDED_THROUGH)
+    table = pq.read_table(path, columns=[figure.column for figure in figures])
     measured = {}
-    for column in (*(p.column for p in figures), "folded_through"):
-        values = table[column].to_numpy()
-        interval = wilson(int(np.count_nonzero(values)), values.size)
+    for figure in figures:
+        interval, column = measure(table, figure), figure.column
         measured[f"{scenario}_{column}"] = interval.value
         measured[f"{scenario}_{column}_low"] = interval.low
         measured[f"{scenario}_{column}_high"] = interval.high
@@ -135,7 +134,7 @@ def _show(rows: list[dict[str, Any]]) -> list[list[str]]:
     head = ["choice", *(f"{p.scenario} {p.name} [%]" for p in PUBLISHED)]
     paper = ["published", *(f"{100 * p.events / p.size:.2f}" for p in PUBLISHED)]
     shown = [
-        [row["choice"], *(f"{100 * row[f'{p.scenario}_{p.column}']:.2f}" for p in PUBLISHED)]
+        [row["choice"], *(f"{100 * row[f'{p.scenario}_{p.figure.column}']:.2f}" for p in PUBLISHED)]
         for row in rows
     ]
     return [head, paper, *shown]

@@ -1,16 +1,19 @@
-"""What the paper says of its experiments in words, measured in ours."""
+"""Claims of the paper about its experiments, measured in ours."""
 
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
+from hav_env.evaluation.figures import goals_of
+
 
 def fingerprints(single: pa.Table, pair: pa.Table) -> list[list[str]]:
     """Return rows of text: what the paper says, and the measure for single HAVs and pairs.
 
     Args:
-        single, pair: tables of the paper's experiments, columns as in docs/metrics.md.
+        single: table of the paper's experiments with one HAV, columns as in docs/metrics.md.
+        pair: the same with two HAVs.
     """
     measures = (
         ("jackknifes at the last joint ('predominantly at the rear joints')", _last_joint),
@@ -52,7 +55,7 @@ def _far_hits(table: pa.Table) -> str:
 
 def _heading_misses(table: pa.Table, never_hit: bool = False) -> str:
     shares = []
-    for goal in (1, 2):
+    for goal in goals_of(table.column_names):
         kept = ~_column(table, f"goal_{goal}_hit").astype(bool) | (not never_hit)
         heading = _column(table, f"goal_{goal}_heading_miss_steps")[kept].sum()
         euclidean = _column(table, f"goal_{goal}_euclidean_miss_steps")[kept].sum()

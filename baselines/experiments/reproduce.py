@@ -16,29 +16,43 @@ from baselines.storage.atomic_files import write_text
 from baselines.storage.locks import sole_user
 from hav_env import OnAxle
 from hav_env.evaluation.comparison import compare
+from hav_env.evaluation.figures import (
+    GOAL_HIT,
+    Figure,
+    figure_of_event,
+    figure_of_goal,
+    measure,
+)
 from hav_env.evaluation.statistics import proportions_agree, wilson
 from hav_env.scenarios.presets import SCENARIOS
+from hav_env.world.arrays import ACTUAL, JACKKNIFE, POTENTIAL
+from hav_env.world.event_table import EVENTS
 
 
 class Published(NamedTuple):
     """One figure of the paper, section VI: how many of how many HAVs."""
 
     scenario: str
-    column: str
+    figure: Figure
     name: str
+    """As the paper calls it."""
     events: int
     size: int
 
 
+_FIRST, _SECOND = (figure_of_goal(GOAL_HIT, goal) for goal in (1, 2))
+_JACKKNIFES, _CIRCLES_MET, _COLLISIONS = (
+    figure_of_event(EVENTS[row]) for row in (JACKKNIFE, POTENTIAL, ACTUAL)
+)
 PUBLISHED = (
-    Published("single", "jackknifed", "jackknifed", 7, 4500),
-    Published("single", "goal_1_hit", "first goal", 3904, 4500),
-    Published("single", "goal_2_hit", "second goal", 3754, 4500),
-    Published("pair", "jackknifed", "jackknifed", 95, 9000),
-    Published("pair", "goal_1_hit", "first goal", 7142, 9000),
-    Published("pair", "goal_2_hit", "second goal", 5856, 9000),
-    Published("pair", "potential_collision", "potential collision", 8516, 9000),
-    Published("pair", "actual_collision", "actual collision", 26, 9000),
+    Published("single", _JACKKNIFES, "jackknifed", 7, 4500),
+    Published("single", _FIRST, "first goal", 3904, 4500),
+    Published("single", _SECOND, "second goal", 3754, 4500),
+    Published("pair", _JACKKNIFES, "jackknifed", 95, 9000),
+    Published("pair", _FIRST, "first goal", 7142, 9000),
+    Published("pair", _SECOND, "second goal", 5856, 9000),
+    Published("pair", _CIRCLES_MET, "potential collision", 8516, 9000),
+    Published("pair", _COLLISIONS, "actual collision", 26, 9000),
 )
 
 PAPER_EXPERIMENTS = 4_500  # of each scenario
@@ -96,8 +110,7 @@ def beside_paper(single: pa.Table, pair: pa.Table) -> list[list[str]]:
     tables = {"single": single, "pair": pair}
     rows = [["scenario", "figure", "paper", "here", "difference", "agree"]]
     for published in PUBLISHED:
-        values = tables[published.scenario][published.column].to_numpy()
-        here = wilson(int(values.sum()), values.size)
+        here = measure(tables[published.scenario], published.figure)
         paper = wilson(published.events, published.size)
         rows.append(
             [

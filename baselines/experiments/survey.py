@@ -24,8 +24,10 @@ from baselines.storage.atomic_files import write_text
 from baselines.storage.locks import sole_user
 from hav_env import Task, find_scenario
 from hav_env.cli.options import run_command
+from hav_env.evaluation.figures import goals_of
 from hav_env.evaluation.statistics import wilson
 from hav_env.policies.names import make_policy
+from hav_env.world.event_table import HARM
 
 
 class Entry(NamedTuple):
@@ -58,7 +60,7 @@ SURVEY = (
 
 @dataclasses.dataclass(frozen=True)
 class Sample:
-    """Which part of the episodes is run, and where the results go."""
+    """The share of the episodes that is run, and the folder of the results."""
 
     share: float = 1.0
     """Of the episodes, to see something soon; at least one is run."""
@@ -74,7 +76,7 @@ class Sample:
 
 @dataclasses.dataclass(frozen=True)
 class Options(Sample):
-    """What to look at."""
+    """Options of a survey."""
 
     scenarios: tuple[str, ...] = tuple(entry.scenario for entry in SURVEY)
     """Which of the survey's scenarios."""
@@ -93,10 +95,10 @@ class Run(NamedTuple):
 
 
 class Findings(NamedTuple):
-    """What came of a policy in a scenario."""
+    """The outcome of a policy in a scenario."""
 
-    jackknifed: int
-    collided: int
+    harmed: tuple[int, ...]
+    """To how many HAVs each event of ``HARM`` happened."""
     hits: tuple[int, ...]
     """How many HAVs hit each goal."""
     size: int
@@ -187,15 +189,14 @@ def look_at(table: pa.Table, fleet) -> Findings:
         fleet: of the scenario, for the limits of speed and steering.
     """
     num_havs = int(np.max(table["hav"].to_numpy())) + 1
-    goals = sum(name.endswith("_dubins_length") for name in table.column_names)
+    goals = goals_of(table.column_names)
     apart = np.repeat(starts_touching(table, num_havs) | goals_crossing(table, num_havs), num_havs)
-    hit = np.stack([column(table, f"goal_{g + 1}_hit") > 0 for g in range(goals)])
-    last = column(table, f"goal_{goals}_step")
+    hit = np.stack([column(table, f"goal_{g}_hit") > 0 for g in goals])
+    last = column(table, f"goal_{goals[-1]}_step")
     steep, stable = shortest_times(table, fleet)
     done, started = ~apart & hit.all(0) & (steep.sum(0) > 0), ~apart & hit[0]
     return Findings(
-        int(column(table, "jackknifed")[~apart].sum()),
-        int(column(table, "actual_collision")[~apart].sum()),
+        tuple(int(column(table, event.name)[~apart].sum()) for event in HARM),
         tuple(int(row[~apart].sum()) for row in hit),
         int((~apart).sum()),
         int(apart.sum()) // num_havs,
@@ -213,8 +214,7 @@ HEAD = (
     "scenario",
     "policy",
     "HAVs",
-    "jackknifed",
-    "collided",
+    *(event.state for event in HARM),
     "goal 1",
     "goal 2",
     "time / shortest",
@@ -234,8 +234,7 @@ def row_of(scenario: str, policy: str, found: Findings) -> list[str]:
         scenario,
         policy,
         str(found.size),
-        share(found.jackknifed),
-        share(found.collided),
+        *map(share, found.harmed),
         *map(share, found.hits),
         f"{time:.3f}",
         f"{found.apart}: {hits}" if found.apart else "0",

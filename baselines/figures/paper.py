@@ -26,6 +26,7 @@ from baselines.figures.trajectory_plot import (
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.replay.trajectory import record_trajectory
 from hav_env import Task
+from hav_env.evaluation.figures import goals_of
 from hav_env.policies.interface import joint_weights
 from hav_env.vehicles import OnAxle
 
@@ -114,7 +115,7 @@ def draw_goal_histograms(table: pa.Table, task: Task = Task()) -> Figure:
 
     A goal is set when every HAV of the episode has hit the one before.
     """
-    goals = _goals(table)
+    goals = goals_of(table.column_names)
     figure, axes = _panels()
     kinds = (
         ("heading_difference", task.heading_tolerance, "Heading difference at hit [rad]"),
@@ -145,9 +146,10 @@ def draw_miss_histograms(table: pa.Table, task: Task = Task()) -> Figure:
         ("distance", "Distance [m]", 2 * task.distance_tolerance),
         ("jackknife_weight", "Jackknife weight [1]", _MOST_WEIGHT),
     )
+    goals = goals_of(table.column_names)
     for column, (measure, label, most) in enumerate(columns):
         for row, missed in enumerate((False, True)):
-            data = [_goal_sample(g, _misses(table, g, measure, missed)) for g in _goals(table)]
+            data = [_goal_sample(g, _misses(table, g, measure, missed)) for g in goals]
             panel = axes[row, column]
             _draw_histograms(panel, np.linspace(0.0, most, 26), data, _among(table))
             if measure != "jackknife_weight":  # half way lies the tolerance
@@ -172,10 +174,15 @@ def draw_all(
     """Draw everything into a folder; the same tables give the same bytes.
 
     Args:
-        single, pair: tables of ``rollout`` with one and two HAVs per episode.
+        single: table of ``rollout`` with one HAV per episode.
+        pair: the same with two.
         folder: made when it does not exist; files in it are replaced.
-        policy, scenario_single, scenario_pair, seed, task, vehicle: what the tables come from;
-            chosen episodes are run again.
+        policy: what both tables come from, as the rest; chosen episodes are run again.
+        scenario_single: of the first table.
+        scenario_pair: of the second table.
+        seed: of the episodes.
+        task: the rules.
+        vehicle: the kinematics.
 
     Returns:
         The names of the files.
@@ -242,11 +249,6 @@ def _values(table: pa.Table, name: str) -> np.ndarray:
 
 def _among(table: pa.Table) -> str:
     return f"in {len(table):,} HAVs"
-
-
-def _goals(table: pa.Table) -> range:
-    """Return the numbers of the goals, from 1."""
-    return range(1, 1 + sum(f"goal_{g}_hit" in table.column_names for g in range(1, 10)))
 
 
 def _goal_sample(goal: int, values: np.ndarray) -> _Sample:

@@ -1,4 +1,4 @@
-"""Which part of an episode to look at, and which episodes of a table show what happens."""
+"""Representative episodes of a table, and excerpts of them that show an event."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from baselines.replay.trajectory import Trajectory
 
 
 class Excerpt(NamedTuple):
-    """Which part of an episode to look at, and at what."""
+    """A part of an episode, and the event that it shows."""
 
     episode: int
     num_havs: int
@@ -38,7 +38,8 @@ def choose_episodes(single: pa.Table, pair: pa.Table) -> dict[str, Excerpt | Non
     """Choose excerpts that show what happens, None for what does not occur in the tables.
 
     Args:
-        single, pair: tables of one and of two HAVs per episode, each with two goals.
+        single: table of one HAV per episode, with two goals.
+        pair: the same of two HAVs.
 
     Returns:
         hit: both goals hit, three to five trailers, detours near the median. jackknife: the first

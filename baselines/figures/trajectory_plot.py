@@ -11,6 +11,8 @@ from baselines.figures.representative_episodes import Excerpt
 from baselines.replay.trajectory import Trajectory, chain_points
 from baselines.storage.atomic_files import whole_file
 from hav_env import Task
+from hav_env.world.arrays import JACKKNIFE
+from hav_env.world.event_table import EVENTS
 
 try:
     import matplotlib as mpl
@@ -62,7 +64,9 @@ def save_figure(
     """Write name.png and name.svg, each whole or not at all; equal figures give equal bytes.
 
     Args:
-        figure, folder, name: what to write, and where; the folder is made.
+        figure: what to write.
+        folder: where to; it is made.
+        name: of the files, without a suffix.
         kinds: which of the two files.
 
     Returns:
@@ -269,7 +273,7 @@ def _legend(trajectory: Trajectory, rows: np.ndarray, excerpt: Excerpt, task: Ta
         label = f"footprints at {(excerpt.moment or 0) * task.dt:.0f} s"
         handles.append(Line2D([], [], color=line, lw=0.8, ls=(0, (1, 1.5)), label=label))
     if excerpt.joint is not None:
-        label = f"first jackknife, joint {excerpt.joint[1]}"
+        label = f"first {EVENTS[JACKKNIFE].stem}, joint {excerpt.joint[1]}"
         style: dict[str, Any] = {"ls": "", "marker": "o", "ms": 9, "mfc": "none", "mec": DARK}
         handles.append(Line2D([], [], label=label, **style))
     return handles

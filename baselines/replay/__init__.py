@@ -1,0 +1,1 @@
+"""Recorded episodes, and how they are watched."""

@@ -1,4 +1,4 @@
-"""What an episode looks like at any moment, between the states that were kept, too."""
+"""The scene of an episode at any moment, interpolated between the recorded states."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from baselines.replay.trajectory import Trajectory
 from hav_env.rendering.scene import Scene, find_potential
-from hav_env.world.arrays import ACTUAL, JACKKNIFE, NEVER, WHEN
+from hav_env.world.arrays import NEVER, WHEN
 
 
 def scene_at(trajectory: Trajectory, time: float) -> Scene:
@@ -44,9 +44,8 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         num_goals=trajectory.goals.shape[1],
         waiting=trajectory.waiting[row],
         removed=removed,
-        jackknifed=has_happened(trajectory.first[:, JACKKNIFE, WHEN]),
+        happened=has_happened(trajectory.first[..., WHEN]),
         potential=find_potential(x, y, trajectory.footprint, ~removed),
-        collided=has_happened(trajectory.first[:, ACTUAL, WHEN]),
         evaded=trajectory.evaded[row],
     )
 

@@ -10,13 +10,23 @@ from hav_env.models.checks import check_value
 from hav_env.models.quantities import Steps
 from hav_env.policies.interface import allocate_memory, check_models, decide, evaded_by
 from hav_env.vehicles import OnAxle
-from hav_env.world.arrays import ARTICULATION, FOOTPRINT, HIT_STEP, NEVER, PHASE, REMOVED, STEP
+from hav_env.world.arrays import (
+    ARTICULATION,
+    FOOTPRINT,
+    HIT_STEP,
+    NEVER,
+    PHASE,
+    STEP,
+    is_removed,
+)
+from hav_env.world.chain import axles_of
 
 
 class Trajectory(NamedTuple):
     """The states of one episode that were kept, T of them.
 
-    Shapes as in ``hav_env.world.arrays``."""
+    Shapes as in ``hav_env.world.arrays``.
+    """
 
     step: np.ndarray  # (T,) steps done; row 0 is the state after reset
     x: np.ndarray  # (T, N) truck's rear axle [m]
@@ -33,7 +43,7 @@ class Trajectory(NamedTuple):
     footprint: np.ndarray  # (N,) radius d_i [m]
     articulation_max: np.ndarray  # (N,) jackknifed beyond it [rad]
     goals: np.ndarray  # (N, G, 3) x [m], y [m], heading [rad]
-    first: np.ndarray  # (N, 3, 2) events JACKKNIFE .. ACTUAL: WHEN (step) and WHERE, or NEVER
+    first: np.ndarray  # (N, E, 2) rows of EVENTS: WHEN (step) and WHERE, or NEVER
     hit_step: np.ndarray  # (N, G) at which each goal was hit, or NEVER
     dt: float  # duration of a step [s]
     policy: str  # a name to be shown, like the next
@@ -54,7 +64,12 @@ def record_trajectory(
     """Run one episode as ``rollout`` does, and keep its states.
 
     Args:
-        policy, scenario, seed, episode, task, vehicle: as for ``rollout``.
+        policy: drives every HAV.
+        scenario: what the world is.
+        seed: of the episode.
+        episode: its number.
+        task: the rules.
+        vehicle: the kinematics.
         every: keep the states after each so many steps, and the last one in any case.
 
     Raises:
@@ -71,12 +86,13 @@ def record_trajectory(
     rows, place = [], np.zeros((2, *state.x.shape))
 
     def keep(speed: np.ndarray, steering: np.ndarray, evaded: np.ndarray) -> None:
-        removed = record.total[:, REMOVED] != 0.0
+        removed = is_removed(batch.worlds, slice(None), slice(None))
         now = (*place, state.heading, state.waiting, removed, speed, steering, evaded)
         rows.append([*state.clock[[STEP, PHASE], 0], *(values[..., 0].copy() for values in now)])
 
     def note_places() -> None:
-        np.copyto(place, [state.x, state.y], where=record.total[:, REMOVED] == 0.0)
+        present = ~is_removed(batch.worlds, slice(None), slice(None))
+        np.copyto(place, [state.x, state.y], where=present)
 
     note_places()
     while not batch.ended[0]:
@@ -130,9 +146,5 @@ def chain_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarra
         each of the K - 2 trailers.
     """
     units = trajectory.num_trailers[hav] + 1
-    heading = trajectory.heading[rows, hav, :units]
-    direction = np.stack([np.cos(heading), np.sin(heading)], axis=-1)  # (..., units, 2)
-    along = trajectory.length[hav, :units, None] * direction
-    rear = np.stack([trajectory.x[rows, hav], trajectory.y[rows, hav]], axis=-1)
-    front = (rear + along[..., 0, :])[..., None, :]
-    return np.concatenate([front, front - np.cumsum(along, axis=-2)], axis=-2)
+    x, y = trajectory.x[rows, hav], trajectory.y[rows, hav]
+    return axles_of(x, y, trajectory.heading[rows, hav, :units], trajectory.length[hav, :units])

@@ -9,13 +9,14 @@ import numpy as np
 from baselines.replay.trajectory import Trajectory
 from baselines.storage.archives import Head, one_line, read_archive
 from baselines.storage.atomic_files import whole_file
-from hav_env.world.arrays import NEVER
+from hav_env.world.arrays import NEVER, WHEN, WHERE
+from hav_env.world.event_table import EVENTS
 
-_KIND, _VERSION = "hav_env trajectory", 1
-_MOST_BYTES = 1 << 29  # unpacked
+_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 1
+_MOST_UNPACKED = 1 << 29  # unpacked
 _HEADS = 1 << 16  # [bytes] at most, of all arrays
-_FARTHEST = 1e9  # [m], [rad]: beyond it nothing is meant
-_LONGEST = 1e6  # [s] of an episode
+_MOST_METRES = 1e9  # [m], [rad]: beyond it nothing is meant
+_MOST_SECONDS = 1e6  # [s] of an episode
 _LONGEST_NAME = 200  # characters
 # of every field: NumPy's kinds of numbers that are allowed, and its shape
 _LAYOUT = {
@@ -34,7 +35,7 @@ _LAYOUT = {
     "footprint": ("f", "N"),
     "articulation_max": ("f", "N"),
     "goals": ("f", "NG3"),
-    "first": ("i", "N32"),
+    "first": ("i", "NE2"),
     "hit_step": ("i", "NG"),
     "dt": ("f", ""),
     "policy": ("U", ""),
@@ -53,14 +54,14 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike) -> None:
     """
     fields: dict = trajectory._asdict()
     size = sum(np.asarray(value).nbytes for value in fields.values())
-    if size > _MOST_BYTES - _HEADS:
+    if size > _MOST_UNPACKED - _HEADS:
         raise ValueError(
-            f"the episode has {size:,} bytes, but must have at most {_MOST_BYTES - _HEADS:,}:"
+            f"the episode has {size:,} bytes, but must have at most {_MOST_UNPACKED - _HEADS:,}:"
             " keep fewer of its states"
         )
     # given an open file, NumPy does not add a suffix of its own
     with whole_file(pathlib.Path(path)) as unfinished, unfinished.open("wb") as file:
-        np.savez_compressed(file, kind=_KIND, version=_VERSION, **fields)
+        np.savez_compressed(file, kind=_ARCHIVE_KIND, version=_VERSION, **fields)
 
 
 def load_trajectory(path: str | os.PathLike) -> Trajectory:
@@ -81,15 +82,15 @@ def load_trajectory(path: str | os.PathLike) -> Trajectory:
 
 def _read(file: BinaryIO) -> Trajectory:
     try:
-        told = read_archive(file, {"kind": "U", "version": "i"}, _MOST_BYTES)
+        told = read_archive(file, {"kind": "U", "version": "i"}, _MOST_UNPACKED)
     except ValueError as error:
         raise ValueError(f"an archive of another kind: {error}") from None
-    if told["kind"].item() != _KIND:
+    if told["kind"].item() != _ARCHIVE_KIND:
         raise ValueError("an archive of another kind")
     if told["version"].shape or told["version"] != _VERSION:
         raise ValueError(f"version {told['version']} of the layout, not {_VERSION}")
     kinds = {name: kinds for name, (kinds, _) in _LAYOUT.items()}
-    arrays = read_archive(file, kinds, _MOST_BYTES, _check_shapes)
+    arrays = read_archive(file, kinds, _MOST_UNPACKED, _check_shapes)
     fields: dict[str, Any] = {
         name: array if array.ndim else array.item() for name, array in arrays.items()
     }
@@ -98,7 +99,7 @@ def _read(file: BinaryIO) -> Trajectory:
 
 def _check_shapes(heads: dict[str, Head]) -> None:
     """Check the shapes before anything is read: of what belongs together they are the same."""
-    sizes = {"2": 2, "3": 3}
+    sizes = {"2": 2, "3": 3, "E": len(EVENTS)}
     for name, (_, axes) in _LAYOUT.items():
         shape = heads[name].shape
         # the first array that has an axis says how long it is
@@ -114,18 +115,19 @@ def _check(trajectory: Trajectory) -> None:
     if not trajectory.x.size or not trajectory.goals.size:
         raise ValueError("no state or no HAV")
     present = np.arange(units) <= trajectory.num_trailers[:, None]
-    events = trajectory.first[:, 0, 1]  # the joints of jackknifes
-    others = np.concatenate([trajectory.evaded.ravel(), trajectory.first[:, 1:, 1].ravel()])
-    when = np.concatenate([trajectory.hit_step.ravel(), trajectory.first[..., 0].ravel()])
+    joints = trajectory.first[:, [event.row for event in EVENTS if event.place == "joint"], WHERE]
+    partners = trajectory.first[:, [event.row for event in EVENTS if event.company], WHERE]
+    others = np.concatenate([trajectory.evaded.ravel(), partners.ravel()])
+    when = np.concatenate([trajectory.hit_step.ravel(), trajectory.first[..., WHEN].ravel()])
     lengths = trajectory.length[present]
     laws = {
         "steps out of order": trajectory.step[0] >= 0 and (np.diff(trajectory.step) > 0).all(),
         "an impossible number of trailers": (
             (trajectory.num_trailers >= 1) & (trajectory.num_trailers < units)
         ).all(),
-        "an impossible length": ((lengths > 0) & (lengths <= _FARTHEST)).all(),
-        "an impossible duration of a step": 0 < trajectory.dt <= _LONGEST,
-        "an impossible duration": trajectory.step[-1] * trajectory.dt <= _LONGEST,
+        "an impossible length": ((lengths > 0) & (lengths <= _MOST_METRES)).all(),
+        "an impossible duration of a step": 0 < trajectory.dt <= _MOST_SECONDS,
+        "an impossible duration": trajectory.step[-1] * trajectory.dt <= _MOST_SECONDS,
         "an impossible limit": (
             (trajectory.articulation_max > 0) & (trajectory.articulation_max <= np.pi)
         ).all(),
@@ -134,9 +136,9 @@ def _check(trajectory: Trajectory) -> None:
         ).all(),
         "a step that there is not": ((when >= NEVER) & (when <= trajectory.step[-1])).all(),
         "a HAV that there is not": ((others >= NEVER) & (others < havs)).all(),
-        "a joint that there is not": ((events >= NEVER) & (events < units)).all(),
+        "a joint that there is not": ((joints >= NEVER) & (joints < units)).all(),
         "a number that is too large or not finite": all(
-            (np.abs(values) <= _FARTHEST).all()
+            (np.abs(values) <= _MOST_METRES).all()
             for values in (
                 trajectory.x,
                 trajectory.y,

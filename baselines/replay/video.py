@@ -19,7 +19,7 @@ except ImportError as error:
 
 _SIZES = {".mp4": (960, 720), ".gif": (640, 480)}  # pixels
 _CODECS = {".mp4": "libx264", ".gif": "gif"}
-_OPTIONS = {
+_FFMPEG_OPTIONS = {
     # plays while it loads, and everywhere
     ".mp4": ["-crf", "20", "-movflags", "+faststart"],
     # a palette of its own for every frame: one for all of them would have to wait for the last
@@ -72,7 +72,7 @@ def write_film(trajectory: Trajectory, path: pathlib.Path, speed: float, fps: in
                 fps,
                 codec=_CODECS[kind],
                 preset="veryfast",  # of mp4: drawing should be what takes the time
-                ffmpeg_params=_OPTIONS[kind],
+                ffmpeg_params=_FFMPEG_OPTIONS[kind],
             )
             encoder = writer.proc
             with writer:

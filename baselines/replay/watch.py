@@ -11,7 +11,8 @@ from hav_env.maths.random_numbers import SEED_LIMIT
 
 FILMS = (".mp4", ".gif")
 PAGES = (".html",)
-_SPEED, _LONGEST = 10.0, 60.0  # times real time; a film's length [s] from which it runs faster
+_USUAL_SPEED = 10.0  # times real time
+_LONGEST_FILM = 60.0  # [s], of one at this speed; beyond it runs faster
 _SLOWEST, _FASTEST = 0.01, 10_000.0  # times real time
 _MOST_SKIPPED = 10**9  # steps
 
@@ -85,16 +86,16 @@ def show(
         ImportError: when what draws is not installed; OSError: when the file cannot be written.
     """
     if output is not None and output.suffix in PAGES:
-        write_replay(trajectory, output, speed or _SPEED)
+        write_replay(trajectory, output, speed or _USUAL_SPEED)
         return
     # drawing needs an extra, which a page does not
     from baselines.replay.video import play, write_film  # noqa: PLC0415
 
     if output is None:
-        play(trajectory, speed or _SPEED, fps)
+        play(trajectory, speed or _USUAL_SPEED, fps)
     else:
         duration = (trajectory.step[-1] - trajectory.step[0]) * trajectory.dt
-        write_film(trajectory, output, speed or max(_SPEED, duration / _LONGEST), fps)
+        write_film(trajectory, output, speed or max(_USUAL_SPEED, duration / _LONGEST_FILM), fps)
 
 
 def name_with_changes(name: str, model, usual) -> str:

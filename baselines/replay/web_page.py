@@ -1,4 +1,4 @@
-"""A page that replays an episode in a browser: ``replay.html`` with the episode put into it."""
+"""A page that replays an episode in a browser: ``page/page.html`` with all parts put into it."""
 
 import base64
 import importlib.resources
@@ -8,11 +8,15 @@ import pathlib
 
 import numpy as np
 
-from baselines.replay.trajectory import Trajectory
+from baselines.replay.trajectory import Trajectory, chain_points
 from baselines.storage.atomic_files import write_text
+from hav_env.world.event_table import EVENTS
 
-_PLACE = "__EPISODE__"  # where the template wants the episode
-_TURN = 65_536  # headings are stored as int16, in parts of a full turn: 0.1 mrad, a mm at 10 m
+_STYLE, _SCRIPT, _EPISODE_SLOT = "__STYLE__", "__SCRIPT__", "__EPISODE__"  # where parts belong
+# what one function of JavaScript is put together from: each part uses what those before it define
+_PARTS = ("episode", "colors", "view", "plane", "vehicles", "chart", "panel", "controls")
+_SHOWN_OF_EVENTS = ("place", "state", "happens", "sign", "color", "company", "harm")
+_MOST_UNITS_AWAY = 2**15 - 1  # of an axle: a HAV of 100 m is told to 3 mm
 
 
 def write_replay(trajectory: Trajectory, path: str | os.PathLike, speed: float = 10.0) -> None:
@@ -23,11 +27,20 @@ def write_replay(trajectory: Trajectory, path: str | os.PathLike, speed: float =
         path: of the file, written whole or not at all.
         speed: times real time, to begin with.
     """
-    template = importlib.resources.files("baselines.replay").joinpath("web_page.html")
-    page = template.read_text(encoding="utf-8")
     # "<" would end the element that holds the data, were a name to contain its end tag
     data = json.dumps(_pack(trajectory, speed), separators=(",", ":")).replace("<", "\\u003c")
-    write_text(page.replace(_PLACE, data), pathlib.Path(path))
+    write_text(template().replace(_EPISODE_SLOT, data), pathlib.Path(path))
+
+
+def template() -> str:
+    """Return the page without an episode."""
+    folder = importlib.resources.files("baselines.replay").joinpath("page")
+
+    def read(name: str) -> str:
+        return folder.joinpath(name).read_text(encoding="utf-8")
+
+    script = "\n".join(read(f"{part}.js") for part in _PARTS)
+    return read("page.html").replace(_STYLE, read("style.css")).replace(_SCRIPT, script)
 
 
 def _pack(trajectory: Trajectory, speed: float) -> dict:
@@ -36,7 +49,7 @@ def _pack(trajectory: Trajectory, speed: float) -> dict:
     # 32 bits tell millimetres apart within some kilometres of an origin in the middle
     places = trajectory.x, trajectory.y
     origin = [float(np.round((values.min() + values.max()) / 2)) for values in places]
-    turns = trajectory.heading[:, units] / (2.0 * np.pi)  # (T, all units of all HAVs)
+    axles, axle_units = _pack_axles(trajectory)
     return {
         "policy": trajectory.policy,
         "scenario": trajectory.scenario,
@@ -51,19 +64,36 @@ def _pack(trajectory: Trajectory, speed: float) -> dict:
         "footprint": trajectory.footprint.tolist(),
         "articulationMax": trajectory.articulation_max.tolist(),
         "goals": (trajectory.goals - [*origin, 0.0]).tolist(),
+        "events": [{key: getattr(event, key) for key in _SHOWN_OF_EVENTS} for event in EVENTS],
         "first": trajectory.first.tolist(),
         "hitStep": trajectory.hit_step.tolist(),
         "step": _encode(trajectory.step, "<i4"),
         "phase": _encode(trajectory.phase, "<i2"),
         "x": _encode(np.round(trajectory.x - origin[0], 3), "<f4"),
         "y": _encode(np.round(trajectory.y - origin[1], 3), "<f4"),
-        "heading": _encode(np.round((turns - np.round(turns)) * _TURN) % _TURN, "<u2"),
+        "axles": _encode(axles, "<i2"),
+        "axleUnit": axle_units,
         # nothing is decided in the last state; steering in tenths of milliradians
         "driving": _encode(np.nan_to_num(trajectory.speed), "<f4"),
         "steering": _encode(np.round(np.nan_to_num(trajectory.steering) * 1e4), "<i2"),
         "evaded": _encode(trajectory.evaded, "<i2"),
         "removed": _encode(trajectory.removed, "u1"),
     }
+
+
+def _pack_axles(trajectory: Trajectory) -> tuple[np.ndarray, list[float]]:
+    """Return where all axles but the trucks' rear ones are, seen from these.
+
+    Returns:
+        (T, all units of all HAVs, 2) whole numbers, and for each HAV what one of them is [m].
+    """
+    packed, sizes = [], []
+    for hav in range(len(trajectory.length)):
+        chain = chain_points(trajectory, hav, slice(None))
+        offsets = np.delete(chain - chain[:, 1:2], 1, axis=1)
+        sizes.append(float(np.abs(offsets).max()) / _MOST_UNITS_AWAY)
+        packed.append(np.round(offsets / sizes[-1]))
+    return np.concatenate(packed, axis=1), sizes
 
 
 def _encode(values: np.ndarray, kind: str) -> str:

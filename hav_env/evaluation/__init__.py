@@ -1,0 +1,1 @@
+"""Evaluation of policies: episodes, the table of them, figures and their comparison."""

@@ -3,50 +3,12 @@
 import pathlib
 from typing import NamedTuple
 
-import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from hav_env.evaluation.statistics import Interval, mean, paired_difference, wilson
+from hav_env.evaluation.figures import Figure, columns_of_figures, figures_of, measure, values_of
+from hav_env.evaluation.statistics import Interval, paired_difference
 from hav_env.models.text import visible
-
-
-class Figure(NamedTuple):
-    """One column of the comparison: what it is called and which rows of the table it is about."""
-
-    name: str
-    column: str
-    percent: bool  # a share of all HAVs; otherwise a mean over the HAVs that have a value
-    more_is_better: bool
-
-
-def figures_of(table: pa.Table) -> list[Figure]:
-    """Return the figures that a table has: the paper's, then times, lengths and articulation."""
-    goals = range(1, 1 + sum(name.endswith("_dubins_length") for name in table.column_names))
-    figures = [Figure("jackknifed", "jackknifed", True, False)]
-    figures += [Figure(f"goal {g} hit", f"goal_{g}_hit", True, True) for g in goals]
-    if pc.max(table["hav"]).as_py() > 0:
-        figures += [
-            Figure("potential collision", "potential_collision", True, False),
-            Figure("actual collision", "actual_collision", True, False),
-        ]
-    figures += [Figure("folded through", "folded_through", True, False)]
-    figures += [Figure(f"goal {g} step", f"goal_{g}_step", False, False) for g in goals]
-    figures += [Figure(f"goal {g} driven / Dubins", f"goal_{g}_length_ratio", False, False)
-                for g in goals]  # fmt: skip
-    return [*figures, Figure("largest articulation [rad]", "largest_articulation", False, False)]
-
-
-def values_of(table: pa.Table, figure: Figure) -> np.ndarray:
-    """Return the values of a figure for every row, nan where there is none."""
-    return table[figure.column].cast(pa.float64()).to_numpy(zero_copy_only=False)
-
-
-def measure(table: pa.Table, figure: Figure) -> Interval:
-    """Return a figure with its 95 % interval: Wilson for shares, normal for means."""
-    values = values_of(table, figure)
-    return wilson(int(values.sum()), values.size) if figure.percent else mean(values)
 
 
 class Score(NamedTuple):
@@ -115,8 +77,5 @@ def _signed(difference: Interval, figure: Figure) -> str:
 
 def read_columns(path: pathlib.Path) -> pa.Table:
     """Read the columns that the figures need of a table on disk."""
-    names = pq.read_schema(path).names
-    needed = ("jackknifed", "folded_through", "episode", "hav", "largest_articulation")
-    endings = ("_collision", "_hit", "_step", "_length_ratio", "_dubins_length")
-    kept = [name for name in names if name in needed or name.endswith(endings)]
+    kept = columns_of_figures(pq.read_schema(path).names)
     return pq.read_table(path, columns=kept)

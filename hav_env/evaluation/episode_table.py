@@ -1,11 +1,17 @@
-"""The table of an evaluation: one row for each HAV and episode, columns as in docs/metrics.md."""
+"""The table of an evaluation: one row for each HAV and episode, its columns declared one by one.
+
+A new column is one entry of ``COLUMNS``, ``GOAL_COLUMNS`` or ``MISS_COLUMNS``; docs/metrics.md
+tells what they mean.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
 
-from hav_env.policies.interface import joint_weights
+from hav_env.evaluation.hav_records import HavRecords
 from hav_env.world.arrays import (
-    ACTUAL,
     CLOSEST,
     DUBINS,
     EPISODE,
@@ -14,150 +20,214 @@ from hav_env.world.arrays import (
     HEADING_MISS,
     HIT_DISTANCE,
     HIT_HEADING,
-    HIT_PATH,
     HIT_STEP,
     JACKKNIFE,
     LARGEST,
-    MISS_ARTICULATION,
-    MISS_COUNT,
     MISS_DISTANCE,
     MISS_HEADING,
     MOVED,
-    NEVER,
     PATH,
-    POTENTIAL,
     STABLE,
     STEP,
     WHEN,
     WHERE,
     World,
 )
+from hav_env.world.event_table import EVENTS, Event
+from hav_env.world.task import Task
 
 
-def tabulate(worlds: World, start: np.ndarray, policy) -> pa.Table:
+class Column(NamedTuple):
+    """A column of the table.
+
+    The functions take the records; those of a goal also its number g, from 0; those of a close
+    miss also its kind.
+    """
+
+    name: str
+    """"{goal}" stands for the number of the goal, from 1; "{kind}" for the kind of close miss."""
+    unit: str
+    values: Callable[..., Any]
+    """(R,) of every row."""
+    known: Callable[..., np.ndarray] | None = None
+    """(R,) bool: the other rows have no value; None when all have one."""
+
+
+def _poses(name: str, poses: Callable[..., np.ndarray]) -> tuple[Column, ...]:
+    """Return the columns of a pose, given (R, 3)."""
+    return (
+        Column(f"{name}_x", "m", lambda *at: poses(*at)[:, 0]),
+        Column(f"{name}_y", "m", lambda *at: poses(*at)[:, 1]),
+        Column(f"{name}_heading", "rad", lambda *at: poses(*at)[:, 2]),
+    )
+
+
+def _of_event(event: Event) -> tuple[Column, ...]:
+    """Return the columns of an event: whether, when and where it happened first."""
+
+    def known(records: HavRecords) -> np.ndarray:
+        return records.happened(event)
+
+    def first(what: int) -> Callable[[HavRecords], np.ndarray]:
+        return lambda records: records.first[:, event.row, what]
+
+    return (
+        Column(event.name, "bool", known),
+        Column(f"{event.stem}_step", "steps", first(WHEN), known),
+        Column(f"{event.stem}_{event.place}", "1", first(WHERE), known),
+    )
+
+
+_JACKKNIFE_EVENT = EVENTS[JACKKNIFE]
+
+
+def _jackknifed(records: HavRecords) -> np.ndarray:
+    return records.happened(_JACKKNIFE_EVENT)
+
+
+def _joint(records: HavRecords) -> np.ndarray:
+    return records.joint_of(_JACKKNIFE_EVENT)
+
+
+def _trailer_lengths(records: HavRecords) -> pa.ListArray:
+    """Return the lengths of the trailers of each HAV, as a list."""
+    counts, values = records.num_trailers, records.length[:, 1:]
+    offsets = np.concatenate([[0], np.cumsum(counts)])
+    kept = np.arange(values.shape[1]) < counts[:, None]
+    return pa.ListArray.from_arrays(pa.array(offsets, pa.int32()), pa.array(values[kept]))
+
+
+def _joint_position(records: HavRecords) -> np.ndarray:
+    """Return the Joint Position Metric (section V): 0 at the front axle, 1 at the last axle."""
+    ahead = records.at_joint(np.cumsum(records.length, axis=1), _joint(records))
+    return ahead / records.vehicle_length
+
+
+COLUMNS = (
+    Column("episode", "1", lambda records: records.clock[EPISODE]),
+    Column("hav", "1", lambda records: records.hav),
+    Column("num_trailers", "1", lambda records: records.num_trailers),
+    Column("truck_length", "m", lambda records: records.length[:, 0]),
+    Column("trailer_lengths", "m", _trailer_lengths),
+    Column("vehicle_length", "m", lambda records: records.vehicle_length),
+    Column("footprint_radius", "m", lambda records: records.radius[:, FOOTPRINT]),
+    Column("stable_radius", "m", lambda records: records.radius[:, STABLE]),
+    *_poses("start", lambda records: records.start),
+    *_of_event(_JACKKNIFE_EVENT),
+    Column("joint_position", "1", _joint_position, _jackknifed),
+    Column(
+        "joint_length_difference",
+        "1",
+        lambda records: (
+            records.at_joint(records.length_differences, _joint(records)) / records.vehicle_length
+        ),
+        _jackknifed,
+    ),
+    Column(
+        "length_difference",
+        "1",
+        lambda records: records.length_differences.sum(axis=1) / records.vehicle_length,
+    ),
+    *(column for event in EVENTS if event is not _JACKKNIFE_EVENT for column in _of_event(event)),
+    Column("steps", "steps", lambda records: records.clock[STEP]),
+    Column("moving_steps", "steps", lambda records: records.total[:, MOVED].astype(np.int64)),
+    Column("path_length", "m", lambda records: records.total[:, PATH]),
+    Column("largest_articulation", "rad", lambda records: records.total[:, LARGEST]),
+    Column("folded_through", "bool", lambda records: records.total[:, LARGEST] > np.pi),
+)
+
+GOAL_COLUMNS = (
+    *_poses("goal_{goal}", lambda records, g: records.goals[:, g]),
+    Column("goal_{goal}_hit", "bool", HavRecords.hit),
+    Column(
+        "goal_{goal}_step",
+        "steps",
+        lambda records, g: records.goal[:, g, HIT_STEP].astype(np.int64),
+        HavRecords.hit,
+    ),
+    Column(
+        "goal_{goal}_distance",
+        "m",
+        lambda records, g: records.goal[:, g, HIT_DISTANCE],
+        HavRecords.hit,
+    ),
+    Column(
+        "goal_{goal}_heading_difference",
+        "rad",
+        lambda records, g: records.goal[:, g, HIT_HEADING],
+        HavRecords.hit,
+    ),
+    Column(
+        "goal_{goal}_closest",
+        "m",
+        lambda records, g: records.goal[:, g, CLOSEST],
+        HavRecords.assigned,
+    ),
+    Column(
+        "goal_{goal}_dubins_length",
+        "m",
+        lambda records, g: records.goal[:, g, DUBINS],
+        HavRecords.assigned,
+    ),
+    Column("goal_{goal}_driven_length", "m", HavRecords.driven, HavRecords.hit),
+    Column(
+        "goal_{goal}_length_ratio",
+        "1",
+        lambda records, g: records.driven(g) / records.goal[:, g, DUBINS],
+        HavRecords.hit,
+    ),
+)
+
+MISSES = {"heading": HEADING_MISS, "euclidean": EUCLIDEAN_MISS}
+
+
+def _missed(records: HavRecords, g: int, kind: int) -> np.ndarray:
+    return records.misses(g, kind) != 0
+
+
+MISS_COLUMNS = (
+    Column("goal_{goal}_{kind}_miss_steps", "steps", HavRecords.misses),
+    Column(
+        "goal_{goal}_{kind}_miss_distance",
+        "m",
+        lambda records, g, kind: records.miss[:, g, kind, MISS_DISTANCE],
+        _missed,
+    ),
+    Column(
+        "goal_{goal}_{kind}_miss_heading_difference",
+        "rad",
+        lambda records, g, kind: records.miss[:, g, kind, MISS_HEADING],
+        _missed,
+    ),
+    Column("goal_{goal}_{kind}_miss_jackknife_weight", "1", HavRecords.miss_weight, _missed),
+)
+
+
+def tabulate(worlds: World, start: np.ndarray, policy, task: Task = Task()) -> pa.Table:
     """Turn the records of ended episodes into rows, in the order of episodes and HAVs.
 
     Args:
         worlds: the batch at the end of its episodes.
         start: (N, 3, W) the start poses.
         policy: whose jackknife weights are reported; the paper's for policies without.
+        task: the rules of the episodes.
     """
-    num_havs, num_worlds = worlds.state.x.shape
+    records = HavRecords(worlds, start, policy, task)
+    columns: dict[str, Any] = {}
 
-    def rows(values: np.ndarray) -> np.ndarray:
-        """(N, ..., W) -> (W * N, ...)."""
-        shape = num_worlds * num_havs, *values.shape[1:-1]
-        # contiguous: NumPy's order of summation, and so the last bit, depends on the layout
-        return np.ascontiguousarray(np.moveaxis(values, -1, 0)).reshape(shape)
+    def add(column: Column, at: tuple[int, ...] = (), **words: Any) -> None:
+        with np.errstate(divide="ignore", invalid="ignore"):  # in rows without a value
+            values = column.values(records, *at)
+        if column.known is not None:
+            values = pa.array(values, mask=~column.known(records, *at))
+        columns[column.name.format(**words)] = values
 
-    def every_hav(values: np.ndarray) -> np.ndarray:
-        """(W,) -> (W * N,)."""
-        return np.repeat(values, num_havs)
-
-    num_trailers, length = rows(worlds.fleet.num_trailers), rows(worlds.fleet.length)
-    present = np.arange(1, length.shape[1]) <= num_trailers[:, None]
-    length[:, 1:][~present] = 0.0
-    first, total = rows(worlds.record.first), rows(worlds.record.total)
-    columns = {
-        "episode": every_hav(worlds.state.clock[EPISODE]),
-        "hav": np.tile(np.arange(num_havs), num_worlds),
-        "num_trailers": num_trailers,
-        "truck_length": length[:, 0],
-        "trailer_lengths": _ragged(length[:, 1:], num_trailers),
-        "vehicle_length": length.sum(axis=1),
-        "footprint_radius": rows(worlds.fleet.radius)[:, FOOTPRINT],
-        "stable_radius": rows(worlds.fleet.radius)[:, STABLE],
-        **_pose_columns("start", rows(start)),
-        **_jackknife_columns(first[:, JACKKNIFE], length, present),
-        **_collision_columns("potential_collision", first[:, POTENTIAL]),
-        **_collision_columns("actual_collision", first[:, ACTUAL]),
-        "steps": every_hav(worlds.state.clock[STEP]),
-        "moving_steps": total[:, MOVED].astype(np.int64),
-        "path_length": total[:, PATH],
-        "largest_articulation": total[:, LARGEST],
-        "folded_through": total[:, LARGEST] > np.pi,
-    }
-    poses, goal, miss = rows(worlds.goals), rows(worlds.record.goal), rows(worlds.record.miss)
-    path = np.zeros(len(goal))
-    for g in range(poses.shape[1]):
-        columns |= _pose_columns(f"goal_{g + 1}", poses[:, g])
-        columns |= _goal_columns(f"goal_{g + 1}", goal[:, g], path)
-        path = goal[:, g, HIT_PATH]
-        for kind, word in ((HEADING_MISS, "heading"), (EUCLIDEAN_MISS, "euclidean")):
-            name = f"goal_{g + 1}_{word}_miss"
-            columns |= _miss_columns(name, miss[:, g, kind], present, policy)
+    for column in COLUMNS:
+        add(column)
+    for g in range(records.num_goals):
+        for column in GOAL_COLUMNS:
+            add(column, (g,), goal=g + 1)
+        for kind, row in MISSES.items():
+            for column in MISS_COLUMNS:
+                add(column, (g, row), goal=g + 1, kind=kind)
     return pa.table(columns)
-
-
-def _ragged(values: np.ndarray, counts: np.ndarray) -> pa.ListArray:
-    """Return lists of the first ``counts`` values of each row."""
-    offsets = np.concatenate([[0], np.cumsum(counts)])
-    kept = np.arange(values.shape[1]) < counts[:, None]
-    return pa.ListArray.from_arrays(pa.array(offsets, pa.int32()), pa.array(values[kept]))
-
-
-def _pose_columns(name: str, poses: np.ndarray) -> dict:
-    return {f"{name}_{part}": poses[:, k] for k, part in enumerate(("x", "y", "heading"))}
-
-
-def _jackknife_columns(first: np.ndarray, length: np.ndarray, present: np.ndarray) -> dict:
-    """First jackknife, and the paper's two metrics (section V).
-
-    Joint Position Metric: where along the HAV the joint is, from 0 at the front axle to 1 at the
-    last axle. Length Difference Metric: |l^j - l^{j-1}| over the vehicle length, at the joint that
-    jackknifed and summed over all joints.
-    """
-    never = first[:, WHEN] == NEVER
-    joint = np.where(never, 1, first[:, WHERE])
-    each = np.arange(len(joint))
-    whole = length.sum(axis=1)
-    ahead = np.cumsum(length, axis=1)[each, joint - 1]
-    differences = np.where(present, np.abs(np.diff(length, axis=1)), 0.0)
-    return {
-        "jackknifed": ~never,
-        "jackknife_step": pa.array(first[:, WHEN], mask=never),
-        "jackknife_joint": pa.array(joint, mask=never),
-        "joint_position": pa.array(ahead / whole, mask=never),
-        "joint_length_difference": pa.array(differences[each, joint - 1] / whole, mask=never),
-        "length_difference": differences.sum(axis=1) / whole,
-    }
-
-
-def _collision_columns(name: str, first: np.ndarray) -> dict:
-    never = first[:, WHEN] == NEVER
-    return {
-        name: ~never,
-        f"{name}_step": pa.array(first[:, WHEN], mask=never),
-        f"{name}_partner": pa.array(first[:, WHERE], mask=never),
-    }
-
-
-def _goal_columns(name: str, goal: np.ndarray, path_before: np.ndarray) -> dict:
-    """The approach to one goal; ``path_before`` [m] was driven when it was assigned."""
-    hit = goal[:, HIT_STEP] != NEVER
-    never_assigned = np.isnan(goal[:, DUBINS])
-    driven = goal[:, HIT_PATH] - path_before
-    return {
-        f"{name}_hit": hit,
-        f"{name}_step": pa.array(goal[:, HIT_STEP].astype(np.int64), mask=~hit),
-        f"{name}_distance": pa.array(goal[:, HIT_DISTANCE], mask=~hit),
-        f"{name}_heading_difference": pa.array(goal[:, HIT_HEADING], mask=~hit),
-        f"{name}_closest": pa.array(goal[:, CLOSEST], mask=never_assigned),
-        f"{name}_dubins_length": pa.array(goal[:, DUBINS], mask=never_assigned),
-        f"{name}_driven_length": pa.array(driven, mask=~hit),
-        f"{name}_length_ratio": pa.array(driven / goal[:, DUBINS], mask=~hit),
-    }
-
-
-def _miss_columns(name: str, miss: np.ndarray, present: np.ndarray, policy) -> dict:
-    """The narrowest close miss of one kind."""
-    count = miss[:, MISS_COUNT].astype(np.int64)
-    weights = joint_weights(policy, np.cos(miss[:, MISS_ARTICULATION:]))
-    return {
-        f"{name}_steps": count,
-        f"{name}_distance": pa.array(miss[:, MISS_DISTANCE], mask=count == 0),
-        f"{name}_heading_difference": pa.array(miss[:, MISS_HEADING], mask=count == 0),
-        f"{name}_jackknife_weight": pa.array(
-            np.where(present, weights, 0.0).sum(axis=1), mask=count == 0
-        ),
-    }

@@ -153,7 +153,7 @@ def rollout(
     roll = functools.partial(_roll, canonical(policy), batch)
     threads = int(threads or default_threads())
     run_on_threads(roll, _shares(order, threads), threads)
-    return tabulate(batch.worlds, start, policy)
+    return tabulate(batch.worlds, start, policy, task)
 
 
 def _shares(order: np.ndarray, threads: int) -> list[np.ndarray]:

@@ -64,7 +64,8 @@ def paired_difference(episodes: np.ndarray, ours: np.ndarray, theirs: np.ndarray
 
     Args:
         episodes: (R,) the episode of each row.
-        ours, theirs: (R,) values of the same HAVs in the same episodes; nan where there is none.
+        ours: (R,) values; nan where there is none.
+        theirs: (R,) values of the same HAVs in the same episodes.
     """
     difference = ours.astype(float) - theirs.astype(float)
     known = np.isfinite(difference)

@@ -1,11 +1,11 @@
-"""What is the case in a whole world, for critics that see everything: one row, in its own frame."""
+"""The state of a whole world as one row of numbers, for centralized critics."""
 
 import numpy as np
 from gymnasium import spaces
 
 from hav_env.observation.layout import LENGTH_UNIT, MOST_UNITS
 from hav_env.simulator.batch import Batch
-from hav_env.world.arrays import COSINE, PHASE, REMOVED, SINE, STEP, X, Y
+from hav_env.world.arrays import COSINE, PHASE, SINE, STEP, X, Y, is_removed
 
 POSITION_UNIT, MOST_POSITIONS = 100.0, 100.0  # [m]; where positions are cut
 _TILE = POSITION_UNIT * MOST_POSITIONS  # [m]
@@ -64,7 +64,7 @@ class CentralState:
                 present[:, 1:] * (sine[:, 1:] * ahead_cosine - cosine[:, 1:] * ahead_sine),
             ]
         )
-        rows[worlds.record.total[:, REMOVED, w] != 0.0] = 0.0
+        rows[is_removed(worlds, slice(None), w)] = 0.0
         time = state.clock[STEP, w] / batch.task.max_steps
         row = np.concatenate([[time], rows.ravel()]).astype(np.float32)
         return row.clip(self.space.low, self.space.high)

@@ -1,4 +1,4 @@
-"""What is told of each HAV beside its observation: running totals of an episode, by name."""
+"""The report on each HAV beside its observation: running totals of an episode, by name."""
 
 from hav_env.compiled import kernel
 from hav_env.world.arrays import (
@@ -6,17 +6,16 @@ from hav_env.world.arrays import (
     DISTANCE,
     EPISODE,
     HIT_DISTANCE,
-    JACKKNIFE,
     LARGEST,
     NEVER,
     PATH,
     PHASE,
-    POTENTIAL,
     SEED,
     STEP,
     WHEN,
     WHERE,
 )
+from hav_env.world.event_table import EVENTS, unharmed
 from hav_env.world.events import goals_hit
 
 REPORT = (
@@ -25,9 +24,7 @@ REPORT = (
     "waits",
     "distance_to_goal",
     "dubins_to_goal",
-    "jackknifed",
-    "potential_collision",
-    "actual_collision",
+    *(event.name for event in EVENTS),
     "collision_partner",
     "largest_articulation",
     "path_length",
@@ -35,8 +32,19 @@ REPORT = (
     "seed",
     "episode_number",  # "episode" is what RecordEpisodeStatistics writes
 )
-_SUCCESS, _HITS, _WAITS, _DISTANCE, _DUBINS, _JACKKNIFED, _POTENTIAL, _ACTUAL = range(8)
-_PARTNER, _LARGEST, _PATH, _STEPS, _SEED, _EPISODE = range(8, 14)
+_NUM_EVENTS = len(EVENTS)
+_TOLD_SUCCESS = REPORT.index("is_success")
+_TOLD_HITS = REPORT.index("goals_hit")
+_TOLD_WAITS = REPORT.index("waits")
+_TOLD_DISTANCE = REPORT.index("distance_to_goal")
+_TOLD_DUBINS = REPORT.index("dubins_to_goal")
+_TOLD_EVENTS = REPORT.index(EVENTS[0].name)
+_TOLD_PARTNER = REPORT.index("collision_partner")
+_TOLD_LARGEST = REPORT.index("largest_articulation")
+_TOLD_PATH = REPORT.index("path_length")
+_TOLD_STEPS = REPORT.index("steps")
+_TOLD_SEED = REPORT.index("seed")
+_TOLD_EPISODE = REPORT.index("episode_number")
 
 
 @kernel
@@ -44,7 +52,8 @@ def write_report(world, agent, remaining, report):
     """Write the report on one HAV in every lane of a block of worlds.
 
     Args:
-        world, agent: as everywhere.
+        world: the block.
+        agent: the HAV.
         remaining: (N, W) Dubins length to the goal under way [m].
         report: (len(REPORT), N, W) to be written.
     """
@@ -55,25 +64,22 @@ def write_report(world, agent, remaining, report):
         distance, left = world.state.goal[agent, DISTANCE, lane], remaining[agent, lane]
         if waits:  # where it stopped: it may have been removed since
             distance, left = world.record.goal[agent, phase, HIT_DISTANCE, lane], 0.0
-        report[_WAITS, agent, lane] = waits
-        report[_DISTANCE, agent, lane] = distance
-        report[_DUBINS, agent, lane] = left
+        report[_TOLD_WAITS, agent, lane] = waits
+        report[_TOLD_DISTANCE, agent, lane] = distance
+        report[_TOLD_DUBINS, agent, lane] = left
     for lane in range(world.lanes):
-        jackknifed = first[agent, JACKKNIFE, WHEN, lane] != NEVER
-        collided = first[agent, ACTUAL, WHEN, lane] != NEVER
         hits = goals_hit(world, agent, lane)
-        report[_HITS, agent, lane] = hits
-        report[_JACKKNIFED, agent, lane] = jackknifed
-        report[_ACTUAL, agent, lane] = collided
-        unharmed = (not jackknifed) & (not collided)
-        report[_SUCCESS, agent, lane] = (hits == num_goals) & unharmed
+        report[_TOLD_HITS, agent, lane] = hits
+        report[_TOLD_SUCCESS, agent, lane] = (hits == num_goals) & unharmed(world, agent, lane)
+    for event in range(_NUM_EVENTS):
+        for lane in range(world.lanes):
+            report[_TOLD_EVENTS + event, agent, lane] = first[agent, event, WHEN, lane] != NEVER
     for lane in range(world.lanes):
-        report[_POTENTIAL, agent, lane] = first[agent, POTENTIAL, WHEN, lane] != NEVER
-        report[_PARTNER, agent, lane] = first[agent, ACTUAL, WHERE, lane]
+        report[_TOLD_PARTNER, agent, lane] = first[agent, ACTUAL, WHERE, lane]
     for lane in range(world.lanes):
-        report[_LARGEST, agent, lane] = total[agent, LARGEST, lane]
-        report[_PATH, agent, lane] = total[agent, PATH, lane]
+        report[_TOLD_LARGEST, agent, lane] = total[agent, LARGEST, lane]
+        report[_TOLD_PATH, agent, lane] = total[agent, PATH, lane]
     for lane in range(world.lanes):
-        report[_STEPS, agent, lane] = clock[STEP, lane]
-        report[_SEED, agent, lane] = clock[SEED, lane]
-        report[_EPISODE, agent, lane] = clock[EPISODE, lane]
+        report[_TOLD_STEPS, agent, lane] = clock[STEP, lane]
+        report[_TOLD_SEED, agent, lane] = clock[SEED, lane]
+        report[_TOLD_EPISODE, agent, lane] = clock[EPISODE, lane]

@@ -1,4 +1,4 @@
-"""Which part of the plane is seen, and where a point of it appears."""
+"""The camera: it chooses the visible part of the plane and projects points into the picture."""
 
 import math
 
@@ -39,7 +39,8 @@ class Camera:
         """Move towards a view of a box.
 
         Args:
-            low, high: (2,) its corners [m].
+            low: (2,) its lower left corner [m].
+            high: (2,) its upper right corner [m].
             margin: pixels that are kept free round it.
             zoom: how many times larger than that everything appears.
         """

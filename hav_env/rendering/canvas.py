@@ -1,4 +1,4 @@
-"""What is drawn on: shapes, twice as large and then shrunk to smooth their edges; then texts."""
+"""The canvas: shapes, drawn twice as large and shrunk to smooth their edges; then texts."""
 
 import itertools
 import math
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hav_env.rendering.colors import DARK, GROUND, PAPER, Color
+from hav_env.rendering.colors import GROUND, INK, PAPER, Color
 
 # pygame greets on standard output, which belongs to the program
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
@@ -119,7 +119,7 @@ class Canvas:
         text: str,
         place: Sequence[float],
         size: int,
-        color: Color = DARK,
+        color: Color = INK,
         anchor: str = "topleft",
     ) -> tuple[int, int]:
         """Write a line.
@@ -142,7 +142,7 @@ class Canvas:
 
     def measure(self, text: str, size: int) -> int:
         """Return how wide a text is."""
-        return self._draw_text(text, size, DARK).get_width()
+        return self._draw_text(text, size, INK).get_width()
 
     def panel(self, left: float, top: float, width: float, height: float) -> None:
         """Lay a sheet that lets little through, to write on."""

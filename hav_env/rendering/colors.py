@@ -11,15 +11,16 @@ Color = tuple[int, int, int]
 GROUND: Color = (248, 248, 245)
 GRID: Color = (233, 233, 228)
 PAPER: Color = (255, 255, 255)
-DARK: Color = (38, 44, 52)
-GREY: Color = (116, 124, 134)
-LIGHT: Color = (206, 210, 214)
+INK: Color = (38, 44, 52)
+DIM: Color = (116, 124, 134)
+PALE: Color = (206, 210, 214)
 CALM: Color = (96, 106, 118)
 AMBER: Color = (230, 150, 0)
 RED: Color = (214, 16, 32)
 EVASION: Color = (224, 118, 0)
+EVENT_COLORS = {"alert": RED, "warning": AMBER}  # as hav_env.world.event_table names them
 
-HAV_COLORS: tuple[Color, ...] = (
+PALETTE: tuple[Color, ...] = (
     (0, 114, 178),  # blue
     (0, 122, 82),  # green
     (206, 100, 168),  # pink
@@ -32,7 +33,7 @@ HAV_COLORS: tuple[Color, ...] = (
 
 def color_of(hav: int) -> Color:
     """Return the colour of a HAV; they repeat after seven."""
-    return HAV_COLORS[hav % len(HAV_COLORS)]
+    return PALETTE[hav % len(PALETTE)]
 
 
 @functools.lru_cache(1024)

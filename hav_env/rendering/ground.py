@@ -1,4 +1,4 @@
-"""What lies below the HAVs: the grid, and the trails of the trucks."""
+"""The ground below the HAVs: the grid, and the trails of the trucks."""
 
 import itertools
 
@@ -32,7 +32,8 @@ def draw_trails(canvas: Canvas, camera: Camera, trails: np.ndarray, removed: np.
     """Draw where the trucks were, fading with age.
 
     Args:
-        canvas, camera: where to.
+        canvas: what to draw on.
+        camera: the view.
         trails: (T, N, 2) [m], oldest first.
         removed: (N,) bool: these are passed over.
     """

@@ -1,12 +1,12 @@
-"""What a single scene does not tell: where the HAVs came from, and what has happened lately."""
+"""The recent past of a scene: trails of the trucks, and the latest events."""
 
 import collections
 
 import numpy as np
 
-from hav_env.rendering.scene import Scene
+from hav_env.rendering.scene import Scene, harms_of
 
-_FEW = 10  # HAVs up to which evasions are worth an entry
+_FEW_EVADERS = 10  # HAVs up to which evasions are worth an entry
 _SPACING = 1.0  # s between two points of a trail
 _TRAIL = 240  # points
 _EVENTS = 6
@@ -60,14 +60,12 @@ def _tell(before: Scene, scene: Scene) -> list[str]:
         name = f"hav_{hav}"
         if scene.hits[hav] > before.hits[hav]:
             told.append(f"{name} hits goal {scene.hits[hav]}")
-        if scene.jackknifed[hav] and not before.jackknifed[hav]:
-            told.append(f"{name} jackknifed")
-        if scene.collided[hav] and not before.collided[hav]:
-            told.append(f"{name} collided")
+        known = harms_of(before, hav)
+        told += [f"{name} {event.state}" for event in harms_of(scene, hav) if event not in known]
         if scene.removed[hav] and not before.removed[hav]:
             told.append(f"{name} removed")
         evaded = scene.evaded[hav]
-        if len(scene.x) <= _FEW and evaded >= 0 and evaded != before.evaded[hav]:
+        if len(scene.x) <= _FEW_EVADERS and evaded >= 0 and evaded != before.evaded[hav]:
             told.append(f"{name} evades hav_{evaded}")
     if scene.phase > before.phase:
         told.append(f"goal {scene.phase + 1} for all")

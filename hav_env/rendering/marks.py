@@ -1,14 +1,15 @@
-"""Where HAVs want to go, and what is between them: goals, footprints, evasions."""
+"""Marks around the HAVs: goals, footprints, evasions."""
 
 import numpy as np
 
 from hav_env.rendering.camera import Camera, box
 from hav_env.rendering.canvas import Canvas
-from hav_env.rendering.colors import DARK, EVASION, GROUND, PAPER, RED, color_of, mix
+from hav_env.rendering.colors import EVASION, GROUND, INK, PAPER, RED, color_of, mix
 from hav_env.rendering.scene import Scene, goal_distance
 from hav_env.rendering.vehicles import NUMBERED, TAG, breadth_of
+from hav_env.world.chain import axles_of
 
-_WRITTEN = 3.0  # pixels per metre from which words have room
+_WORDS_FIT = 3.0  # pixels per metre from which words have room
 
 
 def draw_goal(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
@@ -53,9 +54,8 @@ def draw_way_out(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None
 
 def goal_tips(scene: Scene, havs: np.ndarray) -> np.ndarray:
     """Return where the trucks' noses are at the goals of some HAVs, (len(havs), 2) [m]."""
-    heading = scene.goal[havs, 2]
-    ahead = scene.length[havs, 0, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
-    return scene.goal[havs, :2] + ahead
+    x, y, heading = scene.goal[havs].T
+    return axles_of(x, y, heading[:, None], scene.length[havs, :1])[:, 0]
 
 
 def draw_footprint(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
@@ -76,5 +76,5 @@ def draw_evasion(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None
     reach = float(np.clip(9.0 * camera.scale, 17.0, 80.0))
     tip = own + reach * away
     canvas.arrow(own, tip, EVASION, float(np.clip(0.5 * camera.scale, 1.4, 4.0)))
-    if camera.scale >= _WRITTEN:
-        canvas.label(f"evades {other}", tip + (36.0, 14.0) * away, 17, mix(EVASION, DARK, 0.45))
+    if camera.scale >= _WORDS_FIT:
+        canvas.label(f"evades {other}", tip + (36.0, 14.0) * away, 17, mix(EVASION, INK, 0.45))

@@ -1,13 +1,14 @@
-"""What is written on the picture: clock and counts, each HAV in a line, events, a scale bar."""
+"""Text on the picture: clock and counts, each HAV in a line, events, a scale bar."""
 
 import numpy as np
 
 from hav_env.rendering.camera import Camera
 from hav_env.rendering.canvas import Canvas
-from hav_env.rendering.colors import DARK, GREY, LIGHT, RED, Color, color_of, color_of_bend
+from hav_env.rendering.colors import DIM, EVENT_COLORS, INK, PALE, Color, color_of, color_of_bend
 from hav_env.rendering.ground import grid_spacing
 from hav_env.rendering.history import History
-from hav_env.rendering.scene import Scene, bends_of, count_flags, goal_distance
+from hav_env.rendering.scene import Scene, bends_of, count_flags, goal_distance, harms_of
+from hav_env.world.event_table import HARM
 
 _EDGE = 12  # pixels between a panel and the edge, and within a panel
 _LISTED = 10  # HAVs up to which each has a line
@@ -34,15 +35,15 @@ def draw_overlay(canvas: Canvas, camera: Camera, scene: Scene, history: History)
 def _draw_clock(canvas: Canvas, scene: Scene) -> float:
     """Write the time and how many HAVs are in which state; return where the panel ends."""
     waiting = np.count_nonzero(scene.waiting)
-    lines = [(f"{waiting} of {len(scene.x)} at goal", DARK)]
+    lines = [(f"{waiting} of {len(scene.x)} at goal", INK)]
     for name, count in count_flags(scene).items():
         if count and name != "at goal":
-            lines.append((f"{count} {name}", RED if name in _BAD else DARK))
+            lines.append((f"{count} {name}", _HARM_COLORS.get(name, INK)))
     height = 2 * _EDGE + 28 + _LINE * len(lines)
     canvas.panel(_EDGE, _EDGE, _PANEL, height)
     canvas.text(f"{scene.time:.1f} s", (2 * _EDGE, 2 * _EDGE - 2), 32)
     phase = f"goal {scene.phase + 1} of {scene.num_goals}"
-    canvas.text(phase, (_PANEL, 2 * _EDGE + 5), 18, GREY, "topright")
+    canvas.text(phase, (_PANEL, 2 * _EDGE + 5), 18, DIM, "topright")
     for k, (text, color) in enumerate(lines):
         canvas.text(text, (2 * _EDGE, 2 * _EDGE + 31 + _LINE * k), 18, color)
     return _EDGE + height
@@ -54,33 +55,31 @@ def _draw_list(canvas: Canvas, scene: Scene, top: float) -> None:
     for hav in range(len(scene.x)):
         middle = top + _EDGE + _LINE * (hav + 0.5) - 2
         gone = scene.removed[hav]
-        canvas.dot((2 * _EDGE + 6, middle), 5.5, LIGHT if gone else color_of(hav))
-        canvas.text(str(hav), (2 * _EDGE + 20, middle), 18, DARK, "midleft")
+        canvas.dot((2 * _EDGE + 6, middle), 5.5, PALE if gone else color_of(hav))
+        canvas.text(str(hav), (2 * _EDGE + 20, middle), 18, INK, "midleft")
         state, color = _state_of(scene, hav)
         canvas.text(state, (2 * _EDGE + 40, middle), 18, color, "midleft")
         if not gone:
             bend = bends_of(scene, hav).max(initial=0.0)
             share = float(bend / scene.articulation_max[hav])
-            canvas.bar(_PANEL - 46, middle - 3, 46, 6, LIGHT)
+            canvas.bar(_PANEL - 46, middle - 3, 46, 6, PALE)
             canvas.bar(_PANEL - 46, middle - 3, 46 * min(share, 1.0), 6, color_of_bend(share))
 
 
-_BAD = ("jackknifed", "collided")
+_HARM_COLORS = {event.state: EVENT_COLORS[event.color] for event in HARM}
 
 
 def _state_of(scene: Scene, hav: int) -> tuple[str, Color]:
     """Return in a word or two what is most worth knowing of a HAV, and in which colour."""
     if scene.removed[hav]:
-        return "removed", GREY
-    if scene.jackknifed[hav]:
-        return "jackknifed", RED
-    if scene.collided[hav]:
-        return "collided", RED
+        return "removed", DIM
+    for event in harms_of(scene, hav):
+        return event.state, _HARM_COLORS[event.state]
     if scene.waiting[hav]:
-        return "at goal", GREY
+        return "at goal", DIM
     if scene.evaded[hav] >= 0:
-        return f"evades {scene.evaded[hav]}", DARK
-    return f"{goal_distance(scene, hav):.1f} m", DARK
+        return f"evades {scene.evaded[hav]}", INK
+    return f"{goal_distance(scene, hav):.1f} m", INK
 
 
 def _draw_events(canvas: Canvas, history: History) -> None:
@@ -92,8 +91,10 @@ def _draw_events(canvas: Canvas, history: History) -> None:
     canvas.panel(_EDGE, top, _PANEL, height)
     for k, (time, text) in enumerate(history.events):
         middle = top + _EDGE + _LINE * (k + 0.5) - 3
-        canvas.text(f"{time:.1f} s", (_EDGE + 58, middle), 16, GREY, "midright")
-        canvas.text(text, (_EDGE + 66, middle), 16, RED if text.endswith(_BAD) else DARK, "midleft")
+        canvas.text(f"{time:.1f} s", (_EDGE + 58, middle), 16, DIM, "midright")
+        harms = [color for state, color in _HARM_COLORS.items() if text.endswith(state)]
+        color = harms[0] if harms else INK
+        canvas.text(text, (_EDGE + 66, middle), 16, color, "midleft")
 
 
 def _draw_scale_bar(canvas: Canvas, camera: Camera) -> None:
@@ -102,5 +103,5 @@ def _draw_scale_bar(canvas: Canvas, camera: Camera) -> None:
     pixels = length * camera.scale
     right, bottom = canvas.size[0] - 2 * _EDGE, canvas.size[1] - 2 * _EDGE
     canvas.panel(right - pixels - _EDGE, bottom - 26, pixels + 2 * _EDGE, 38)
-    canvas.bar(right - pixels, bottom - 2, pixels, 3, DARK)
-    canvas.text(f"{length:g} m", (right - pixels / 2, bottom - 13), 18, DARK, "center")
+    canvas.bar(right - pixels, bottom - 2, pixels, 3, INK)
+    canvas.text(f"{length:g} m", (right - pixels / 2, bottom - 13), 18, INK, "center")

@@ -1,4 +1,4 @@
-"""What there is to see of one world at one moment, apart from the simulator and from any drawing.
+"""The visible state of one world at one moment, apart from the simulator and from any drawing.
 
 Shapes as in ``hav_env.world.arrays``: N HAVs, U units of a HAV.
 """
@@ -8,18 +8,17 @@ from typing import NamedTuple
 import numpy as np
 
 from hav_env.world.arrays import (
-    ACTUAL,
     ARTICULATION,
     FOOTPRINT,
     HIT_STEP,
-    JACKKNIFE,
     NEVER,
     PHASE,
-    REMOVED,
     STEP,
-    WHEN,
     World,
+    is_removed,
 )
+from hav_env.world.chain import axles_of
+from hav_env.world.event_table import EVENTS, HARM, Event, happened
 
 
 class Scene(NamedTuple):
@@ -41,9 +40,8 @@ class Scene(NamedTuple):
     num_goals: int
     waiting: np.ndarray  # (N,) bool: at its goal
     removed: np.ndarray  # (N,) bool: has left the world and is not drawn
-    jackknifed: np.ndarray  # (N,) bool: ever
+    happened: np.ndarray  # (N, E) bool: each of ``EVENTS``, ever
     potential: np.ndarray  # (N,) bool: in potential collision now, footprints overlap
-    collided: np.ndarray  # (N,) bool: in actual collision ever
     evaded: np.ndarray  # (N,) number of the HAV that it evades now, -1 for none or unknown
 
 
@@ -59,7 +57,7 @@ def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None)
     """
     state, fleet, record = worlds.state, worlds.fleet, worlds.record
     x, y = state.x[:, w].copy(), state.y[:, w].copy()
-    waiting, removed = state.waiting[:, w].copy(), record.total[:, REMOVED, w] != 0.0
+    waiting, removed = state.waiting[:, w].copy(), is_removed(worlds, slice(None), w)
     footprint = fleet.radius[:, FOOTPRINT, w].copy()
     known = np.full(len(x), -1) if evaded is None else np.asarray(evaded).astype(np.int64)
     return Scene(
@@ -79,9 +77,8 @@ def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None)
         num_goals=worlds.goals.shape[1],
         waiting=waiting,
         removed=removed,
-        jackknifed=record.first[:, JACKKNIFE, WHEN, w] != NEVER,
+        happened=np.stack([happened(record.first[..., w], event) for event in EVENTS], axis=1),
         potential=find_potential(x, y, footprint, ~removed),
-        collided=record.first[:, ACTUAL, WHEN, w] != NEVER,
         evaded=np.where(waiting | removed, -1, known),
     )
 
@@ -92,7 +89,9 @@ def find_potential(
     """Tell which HAVs are in potential collision with another one, eq. (potential-collision).
 
     Args:
-        x, y, footprint: (N,) [m].
+        x: (N,) of the trucks' rear axles [m].
+        y: (N,) likewise [m].
+        footprint: (N,) radii [m].
         present: (N,) bool: the others are passed over.
     """
     distance = np.hypot(x[:, None] - x, y[:, None] - y)
@@ -101,18 +100,21 @@ def find_potential(
     return overlap.any(axis=1)
 
 
-def axles_of(scene: Scene, hav: int) -> np.ndarray:
-    """Return where the axles of a HAV are, the polygonal chain P_i.
-
-    Returns:
-        (K, 2) x and y [m]: the truck's front axle, its rear axle, the axle of each trailer.
-    """
+def chain_of(scene: Scene, hav: int) -> np.ndarray:
+    """Return where the axles of a HAV are, (trailers + 2, 2) as from ``axles_of`` [m]."""
     units = scene.num_trailers[hav] + 1
-    heading, length = scene.heading[hav, :units], scene.length[hav, :units, None]
-    along = length * np.stack([np.cos(heading), np.sin(heading)], axis=1)
-    rear = np.array([scene.x[hav], scene.y[hav]])
-    behind = rear - np.cumsum(along[1:], axis=0)
-    return np.vstack([rear + along[0], rear, behind])
+    heading, length = scene.heading[hav, :units], scene.length[hav, :units]
+    return axles_of(scene.x[hav], scene.y[hav], heading, length)
+
+
+def has_had(scene: Scene, hav: int, event: Event) -> bool:
+    """Tell whether an event has happened to a HAV."""
+    return bool(scene.happened[hav, event.row])
+
+
+def harms_of(scene: Scene, hav: int) -> list[Event]:
+    """Return the events that mean failure and have happened to a HAV."""
+    return [event for event in HARM if has_had(scene, hav, event)]
 
 
 def bends_of(scene: Scene, hav: int) -> np.ndarray:
@@ -131,15 +133,14 @@ def count_flags(scene: Scene) -> dict[str, int]:
         "at goal": scene.waiting,
         "evading": scene.evaded >= 0,
         "in potential collision": scene.potential,
-        "jackknifed": scene.jackknifed,
-        "collided": scene.collided,
+        **{event.state: scene.happened[:, event.row] for event in HARM},
         "removed": scene.removed,
     }
     return {name: int(np.count_nonzero(flag)) for name, flag in flags.items()}
 
 
 _MOST_DESCRIBED = 5  # HAVs that are told of one by one
-_SIDES = (
+_DIRECTIONS = (
     *("ahead", "ahead-left", "left", "behind-left"),
     *("behind", "behind-right", "right", "ahead-right"),
 )
@@ -162,7 +163,7 @@ def _describe_hav(scene: Scene, hav: int) -> str:
         return f"{name} removed"
     dx, dy = scene.goal[hav, :2] - (scene.x[hav], scene.y[hav])
     bearing = np.arctan2(dy, dx) - scene.heading[hav, 0]
-    side = _SIDES[round(bearing / (np.pi / 4)) % 8]
+    side = _DIRECTIONS[round(bearing / (np.pi / 4)) % 8]
     bend = np.degrees(bends_of(scene, hav).max(initial=0.0))
     limit = np.degrees(scene.articulation_max[hav])
     told = [
@@ -172,7 +173,6 @@ def _describe_hav(scene: Scene, hav: int) -> str:
     states = {
         "waits": scene.waiting[hav],
         f"evades hav_{scene.evaded[hav]}": scene.evaded[hav] >= 0,
-        "jackknifed": scene.jackknifed[hav],
-        "collided": scene.collided[hav],
     }
-    return ", ".join([*told, *(name for name, holds in states.items() if holds)])
+    told += [name for name, holds in states.items() if holds]
+    return ", ".join([*told, *(event.state for event in harms_of(scene, hav))])

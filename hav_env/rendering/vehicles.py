@@ -5,15 +5,15 @@ import numpy as np
 from hav_env.rendering.camera import Camera, box
 from hav_env.rendering.canvas import Canvas
 from hav_env.rendering.colors import (
-    DARK,
     GROUND,
+    INK,
     PAPER,
     RED,
     color_of,
     color_of_bend,
     mix,
 )
-from hav_env.rendering.scene import Scene, axles_of, bends_of
+from hav_env.rendering.scene import Scene, bends_of, chain_of, harms_of
 
 _DETAILED = 7.0  # pixels of breadth from which wheels and cabs can be told
 NUMBERED = 1.2  # pixels per metre from which numbers have room
@@ -27,16 +27,16 @@ def breadth_of(scene: Scene, hav: int) -> float:
 
 def draw_hav(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
     """Draw a HAV and its number."""
-    axles = axles_of(scene, hav)
+    axles = chain_of(scene, hav)
     if breadth_of(scene, hav) * camera.scale >= _DETAILED:
         for unit in range(scene.num_trailers[hav], 0, -1):
             _draw_trailer(canvas, camera, scene, hav, unit, axles[unit + 1])
-        _draw_truck(canvas, camera, scene, hav)
+        _draw_truck(canvas, camera, scene, hav, axles)
         _draw_joints(canvas, camera, scene, hav, axles)
     else:
         _draw_chain(canvas, camera, scene, hav, axles)
     front, rear = camera.project(axles[:2])
-    troubled = scene.jackknifed[hav] or scene.collided[hav]
+    troubled = bool(harms_of(scene, hav))
     if camera.scale >= NUMBERED:
         ahead = (front - rear) / max(float(np.hypot(*(front - rear))), 1e-9)
         _draw_tag(canvas, scene, hav, front + (0.5 * camera.scale + 14.0) * ahead, troubled)
@@ -51,7 +51,7 @@ def _draw_wheels(canvas: Canvas, camera: Camera, pose: tuple, half: float, turn:
     for side in (-1.0, 1.0):
         center = np.array([-side * np.sin(heading), side * np.cos(heading)]) * half + (x, y)
         wheel = box(-0.26 * half - 0.2, 0.26 * half + 0.2, 0.1 * half + 0.08)
-        canvas.fill(camera.place((center[0], center[1], heading + turn), wheel), DARK)
+        canvas.fill(camera.place((center[0], center[1], heading + turn), wheel), INK)
 
 
 def _draw_trailer(
@@ -71,22 +71,21 @@ def _draw_trailer(
         canvas.stroke(camera.place(pose, chevron), color, 1.7)
 
 
-def _draw_truck(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
+def _draw_truck(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles) -> None:
     color, half = color_of(hav), 0.5 * breadth_of(scene, hav)
     length, heading = scene.length[hav, 0], scene.heading[hav, 0]
-    pose = (scene.x[hav], scene.y[hav], heading)
-    front = (pose[0] + length * np.cos(heading), pose[1] + length * np.sin(heading), heading)
+    front, pose = (*axles[0], heading), (*axles[1], heading)
     _draw_wheels(canvas, camera, pose, half)
     nose, cab = length + 0.55 * half, length - max(1.3 * half, 0.2 * length)
     deck = camera.place(pose, box(-0.5 * half, cab, 0.62 * half))
-    canvas.fill(deck, mix(color, DARK, 0.45))
+    canvas.fill(deck, mix(color, INK, 0.45))
     _draw_wheels(canvas, camera, front, half, scene.steering[hav])
     bevel = 0.3 * half
     shape = [(cab, -half), (nose - bevel, -half), (nose, -half + bevel)]
     shape += [(along, -aside) for along, aside in reversed(shape)]
     body = camera.place(pose, np.array(shape) * (1.0, 0.88))
     canvas.fill(body, color)
-    canvas.outline(body, mix(color, DARK, 0.5), 1.0)
+    canvas.outline(body, mix(color, INK, 0.5), 1.0)
     glass = box(nose - 0.65 * half, nose - 0.3 * half, 0.62 * half)
     canvas.fill(camera.place(pose, glass), mix(color, PAPER, 0.85))
 
@@ -144,4 +143,4 @@ def _draw_tag(canvas: Canvas, scene: Scene, hav: int, place: np.ndarray, trouble
         corner = place + np.array([TAG + 2.0, -TAG - 1.0])
         canvas.disc(corner, 7.0, PAPER)
         tick = corner + np.array([(-3.5, 0.0), (-1.0, 3.0), (4.0, -3.5)])
-        canvas.stroke(tick, DARK, 2.0)
+        canvas.stroke(tick, INK, 2.0)

@@ -24,13 +24,13 @@ from hav_env.rendering.marks import (
     goal_tips,
 )
 from hav_env.rendering.overlay import draw_overlay, sidebar_width
-from hav_env.rendering.scene import Scene, axles_of
+from hav_env.rendering.scene import Scene, chain_of
 from hav_env.rendering.vehicles import draw_hav
 from hav_env.rendering.window import Window
 
-RENDER_MODES = ("human", "rgb_array")
-_FEW = 4  # HAVs up to which lines lead to their goals
-_MARGIN = 0.09  # of the picture's height that is kept free round what is seen
+DRAWN_MODES = ("human", "rgb_array")
+_FEW_WAYS = 4  # HAVs up to which lines lead to their goals
+_BORDER = 0.09  # of the picture's height that is kept free round what is seen
 _ZOOM = 1.25  # of one press of a key
 _MOST_PIXELS = 8_192  # of a side: the canvas is twice as large
 _MOST_FRAMES = 1_000  # in a second: pygame's clock counts milliseconds
@@ -64,8 +64,8 @@ class Viewer:
         Raises:
             ValueError: when the render mode is unknown, or a size or rate is out of range.
         """
-        if render_mode not in RENDER_MODES:
-            allowed = ", ".join(RENDER_MODES)
+        if render_mode not in DRAWN_MODES:
+            allowed = ", ".join(DRAWN_MODES)
             raise ValueError(f"render_mode is {render_mode!r}, but must be one of: {allowed}")
         if not 1 <= min(size) <= max(size) <= _MOST_PIXELS:
             raise ValueError(f"size is {size}, but must be from 1 to {_MOST_PIXELS} pixels")
@@ -173,7 +173,7 @@ class Viewer:
         evading = near[scene.evaded[near] >= 0]
         layers: list[tuple[Callable, list | np.ndarray]] = [
             (draw_footprint, near if self.circles else []),
-            (draw_way, present[~scene.waiting[present]] if len(scene.x) <= _FEW else []),
+            (draw_way, present[~scene.waiting[present]] if len(scene.x) <= _FEW_WAYS else []),
             (draw_goal, present),
             (draw_evasion, evading),
             (draw_hav, near),
@@ -204,8 +204,8 @@ class Viewer:
             reach = 0.9 * max(scene.footprint[hav], scene.length[hav, 0]) + 8.0  # [m]
             corners = center - reach, center + reach
         else:
-            axles = [axles_of(scene, hav) for hav in present]
+            axles = [chain_of(scene, hav) for hav in present]
             goals = [scene.goal[present, :2], goal_tips(scene, present)]
             points = np.concatenate([*axles, *goals])
             corners = points.min(axis=0), points.max(axis=0)
-        self._camera.aim(*corners, margin=_MARGIN * self.size[1], zoom=self._zoom)
+        self._camera.aim(*corners, margin=_BORDER * self.size[1], zoom=self._zoom)

@@ -12,12 +12,12 @@ from hav_env.models.memory import check_memory
 from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.models.quantities import Threads, Worlds
 from hav_env.scenarios import PlacementError, check_scenario
-from hav_env.simulator.transition import begin, remove_arrived, step
+from hav_env.simulator.transition import begin, ended, remove_arrived, step
 from hav_env.simulator.trial import try_scenario, try_vehicle
 from hav_env.vehicles import OnAxle, check_vehicle
-from hav_env.world.arrays import ACTUAL, JACKKNIFE, STEP, WHEN, World, allocate_worlds, world_size
+from hav_env.world.arrays import World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
-from hav_env.world.task import END, Task, check_task
+from hav_env.world.task import Task, check_task
 
 _FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
 
@@ -161,13 +161,7 @@ class Batch:
     @property
     def ended(self) -> np.ndarray:
         """(W,) bool: the episode is over: all last goals hit, an event that ends it, or time."""
-        state, first = self.worlds.state, self.worlds.record.first
-        over = state.waiting.all(axis=0) | (state.clock[STEP] >= self.task.max_steps)
-        if self.task.on_jackknife == END:
-            over |= (first[:, JACKKNIFE, WHEN] > 0).any(axis=0)
-        if self.task.on_collision == END:
-            over |= (first[:, ACTUAL, WHEN] > 0).any(axis=0)
-        return over
+        return ended(self.task, self.worlds, slice(None))
 
 
 def check_seed(seed: Any) -> None:

@@ -15,6 +15,7 @@ from hav_env.world.arrays import (
     STEERING,
     STEP,
     WHEN,
+    is_removed,
 )
 from hav_env.world.collision import enclose
 from hav_env.world.continuous_collision import enclose_way, note_axles
@@ -29,7 +30,8 @@ from hav_env.world.lanes import block_of, moving_block
 from hav_env.world.neighborhood import find_nearby
 from hav_env.world.task import END, REMOVE
 
-_OUTSIDE, _APART = 1e13, 1e8  # [m] where HAVs stand that were removed
+# x of the first removed HAV and the distance from one to the next [m]
+_REMOVED_X, _REMOVED_SPACING = 1e13, 1e8
 
 
 @kernel
@@ -59,10 +61,12 @@ def step(task, vehicle, world, speed, steering):
     """Advance a block of worlds by one step.
 
     Args:
-        task, vehicle: the rules and the kinematics.
+        task: the rules.
+        vehicle: the kinematics.
         world: the block.
-        speed: (N, W) [m/s] and steering: (N, W) [rad], cut to the limits of each HAV. A HAV that
-            waits at its goal stands, whatever its speed.
+        speed: (N, W) [m/s], cut to the limit of each HAV. A HAV that waits at its goal stands,
+            whatever its speed.
+        steering: (N, W) [rad], cut as well.
 
     Returns:
         A number above 0 when worlds may have ended: time is up, a goal was hit, something
@@ -95,11 +99,11 @@ def step(task, vehicle, world, speed, steering):
 @kernel
 def _count_step(task, world):
     """Count the step; return in how many worlds time is up."""
-    clock, late = world.state.clock, 0
+    clock, late_worlds = world.state.clock, 0
     for lane in range(world.lanes):
         clock[STEP, lane] += 1
-        late += clock[STEP, lane] >= task.max_steps
-    return late
+        late_worlds += late(task, world, lane)
+    return late_worlds
 
 
 @kernel
@@ -147,12 +151,11 @@ def _remove_arrived(task, world):
     A HAV that drives straight on from the farthest start for the longest episode comes 1e12 m far;
     places are farther from each other than the longest range and two reaches.
     """
-    removed = world.record.total[:, REMOVED]
     for lane in range(world.lanes):
-        for agent in range(removed.shape[0]):
-            if arrived(world, agent, lane) and removed[agent, lane] == 0.0:
-                removed[agent, lane] = 1.0
-                world.state.x[agent, lane] = _OUTSIDE + _APART * agent
+        for agent in range(world.state.x.shape[0]):
+            if arrived(world, agent, lane) and not is_removed(world, agent, lane):
+                world.record.total[agent, REMOVED, lane] = 1.0
+                world.state.x[agent, lane] = _REMOVED_X + _REMOVED_SPACING * agent
                 alone = block_of(world, lane, 1, world.units)
                 enclose(alone, agent)
                 if task.continuous_collisions:
@@ -183,14 +186,14 @@ def terminated(task, world, agents, lane):
     HAVs that touch where the scenario put them (in the paper's pairs, one world of a thousand) had
     none.
     """
-    first, finished = world.record.first, True
+    first, finished, broken = world.record.first, True, False
     for agent in range(agents):
         jackknifed = first[agent, JACKKNIFE, WHEN, lane] > 0
         collided = first[agent, ACTUAL, WHEN, lane] > 0
-        if (task.on_jackknife == END and jackknifed) or (task.on_collision == END and collided):
-            return True
-        finished = finished and arrived(world, agent, lane)
-    return finished
+        broken = broken | ((task.on_jackknife == END) & jackknifed)
+        broken = broken | ((task.on_collision == END) & collided)
+        finished = finished & arrived(world, agent, lane)
+    return finished | broken
 
 
 @kernel
@@ -201,5 +204,8 @@ def late(task, world, lane):
 
 @kernel
 def ended(task, world, lane):
-    """Tell whether an episode is over: terminated, or time is up."""
-    return late(task, world, lane) or terminated(task, world, world.state.x.shape[0], lane)
+    """Tell whether an episode is over: terminated, or time is up.
+
+    In Python it also tells of many worlds at once, given a slice of lanes.
+    """
+    return late(task, world, lane) | terminated(task, world, world.state.x.shape[0], lane)

@@ -23,7 +23,7 @@ Array = Any  # np.ndarray
 
 
 class State(NamedTuple):
-    """What changes from step to step."""
+    """The state of the worlds, which changes from step to step."""
 
     x: Array  # (N, W) truck's rear axle [m]
     y: Array  # (N, W)
@@ -44,7 +44,7 @@ STEP, PHASE, SEED, EPISODE = range(4)  # steps done; goal under way; the key of 
 
 
 class Fleet(NamedTuple):
-    """What a HAV is: lengths and limits."""
+    """The dimensions and the limits of the HAVs."""
 
     num_trailers: Array  # (N, W)
     length: Array  # (N, U, W) wheelbase l^0, trailer lengths l^j [m], inf beyond the last
@@ -60,7 +60,7 @@ FEW = 16  # HAVs up to which looking at all pairs is quicker than a grid
 
 
 class Nearby(NamedTuple):
-    """Who is within sensing range of whom, found anew after every step."""
+    """The neighbours of each HAV within sensing range, found anew after every step."""
 
     count: Array  # (N, W)
     index: Array  # (N, N - 1, W) in ascending order
@@ -75,16 +75,16 @@ COLUMN, ROW, NEXT, BUCKET = range(4)  # cell of a HAV; next HAV in its bucket; f
 
 
 class Record(NamedTuple):
-    """What has happened to each HAV since the episode began."""
+    """The events of each HAV since the episode began."""
 
-    first: Array  # (N, 3, 2, W) JACKKNIFE .. ACTUAL: WHEN (step) and WHERE (joint or partner)
+    first: Array  # (N, E, 2, W) rows EVENT_ROWS: WHEN (step) and WHERE (joint or partner)
     total: Array  # (N, 4, W) columns LARGEST .. REMOVED
     goal: Array  # (N, G, 6, W) columns HIT_STEP .. CLOSEST
     miss: Array  # (N, G, 2, 3 + U - 1, W) HEADING_MISS, EUCLIDEAN_MISS: MISS_COUNT ..
 
 
 NEVER = -1
-JACKKNIFE, POTENTIAL, ACTUAL = range(3)
+EVENT_ROWS = JACKKNIFE, POTENTIAL, ACTUAL = tuple(range(3))  # see hav_env.world.event_table
 WHEN, WHERE = range(2)
 # largest articulation [rad], not wrapped: beyond pi the HAV folded through; driven path [m];
 # steps in which the HAV was not waiting; 1.0 once it was removed from the world
@@ -121,11 +121,16 @@ def allocate_worlds(
 ) -> World:
     """Return the arrays of a batch; a scenario fills them.
 
-    Args:
-        num_worlds, num_havs, num_units, num_goals: W, N, U, G.
-        continuous: whether collisions between steps are looked for.
+    Until a scenario fills them, they hold HAVs that wait far from each other. Such HAVs cost little
+    to step along.
 
-    Until then they hold HAVs that wait far from each other, which costs little to step along.
+    Args:
+        num_worlds: W.
+        num_havs: N.
+        num_units: U.
+        num_goals: G.
+        continuous: whether collisions between steps are looked for.
+        zeros: makes each array from its shape and kind of numbers.
     """
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
     buckets = 1 << (2 * n - 1).bit_length()  # a power of two, at least twice the HAVs
@@ -154,7 +159,7 @@ def allocate_worlds(
             zeros((w, 4, buckets if searched else 0), np.int64),
             zeros((w, 3, searched), np.float64),
         ),
-        Record(whole(n, 3, 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
+        Record(whole(n, len(EVENT_ROWS), 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
         0,
         num_worlds,
         num_units,
@@ -224,6 +229,12 @@ def set_limits(scenario, fleet, agent, lane):
 def into_truck_frame(state, agent, lane, dx, dy):
     """Rotate a difference of positions [m], or a direction, into a truck's frame: forward, left."""
     return into_frame(dx, dy, state.cosine[agent, 0, lane], state.sine[agent, 0, lane])
+
+
+@kernel
+def is_removed(world, agent, lane):
+    """Tell whether a HAV was removed from its world; in Python also of many, given slices."""
+    return world.record.total[agent, REMOVED, lane] != 0.0
 
 
 @kernel

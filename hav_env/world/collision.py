@@ -5,6 +5,7 @@ import math
 from hav_env.compiled import kernel
 from hav_env.maths.geometry import nearest_on_segment, segments_intersect
 from hav_env.world.arrays import END_X, END_Y, FOOTPRINT, HIGH, LEFT, LOW, RIGHT, truck_distance
+from hav_env.world.chain import axle_behind, front_axle
 
 
 @kernel
@@ -27,30 +28,6 @@ def reach(fleet, agent, lane):
     The paper's footprint holds the trailers; a truck may be longer than all of them.
     """
     return max(fleet.radius[agent, FOOTPRINT, lane], fleet.length[agent, 0, lane])
-
-
-@kernel
-def axle_behind(world, agent, unit, lane, x, y):
-    """Return the position [m] of a unit's rear end, given that of its front end.
-
-    They are the same for a unit beyond the HAV's last.
-    """
-    present = unit <= world.fleet.num_trailers[agent, lane]
-    length = world.fleet.length[agent, unit, lane] if present else 0.0
-    return (
-        x - length * world.state.cosine[agent, unit, lane],
-        y - length * world.state.sine[agent, unit, lane],
-    )
-
-
-@kernel
-def front_axle(world, agent, lane):
-    """Return the position [m] of the truck's front axle, where the chain begins."""
-    length = world.fleet.length[agent, 0, lane]
-    return (
-        world.state.x[agent, lane] + length * world.state.cosine[agent, 0, lane],
-        world.state.y[agent, lane] + length * world.state.sine[agent, 0, lane],
-    )
 
 
 @kernel
@@ -117,7 +94,7 @@ def nearest_on_chain(world, agent, lane, x, y):
         squared = (px - x) * (px - x) + (py - y) * (py - y)
         if squared < least:
             least, nearest_x, nearest_y = squared, px, py
-        ax, ay = ax + length * back_x, ay + length * back_y
+        ax, ay = axle_behind(world, agent, unit, lane, ax, ay)
     return nearest_x, nearest_y
 
 

@@ -9,7 +9,7 @@ import math
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import segments_intersect
 from hav_env.world.arrays import HIGH, LEFT, LOW, RIGHT
-from hav_env.world.collision import axle_behind, front_axle
+from hav_env.world.chain import axle_behind, front_axle
 
 
 @rare_kernel
@@ -53,8 +53,15 @@ def moving_segments_meet(a, b, c, d, to_a, to_b, to_c, to_d):
     """Tell whether the segments a-b and c-d have a point in common at any time of a step.
 
     Args:
-        a, b, c, d: their ends before the step (x, y) [m]; to_a .. to_d: after it. Each end goes
-            straight, at constant speed.
+        a: one end of the first segment before the step (x, y) [m]. Each end goes straight, at
+            constant speed.
+        b: the other end of the first segment.
+        c: one end of the second segment.
+        d: the other end of the second segment.
+        to_a: where the end a is after the step.
+        to_b: where the end b is after the step.
+        to_c: where the end c is after the step.
+        to_d: where the end d is after the step.
     """
     return (
         segments_intersect(*to_a, *to_b, *to_c, *to_d)

@@ -1,4 +1,4 @@
-"""What can happen to a HAV (jackknife, collision, goal hit, close miss), tested and recorded."""
+"""Rules that test and record events: jackknifes, collisions, goal hits, close misses."""
 
 import math
 

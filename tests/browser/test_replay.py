@@ -1,151 +1,26 @@
 """A browser plays the page that replays an episode: everything on it works, without an error."""
 
-import pathlib
-import shutil
 import time
 
 import numpy as np
 import pytest
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
-from baselines.policies.avoid_jack import AvoidJack
-from baselines.policies.dubins_pursuit import DubinsPursuit
-from baselines.replay.trajectory import Trajectory, record_trajectory
-from baselines.replay.web_page import write_replay
-from hav_env import RandomPoses, Task
-from tests.support.budgets import budget
-
-SINGLE, PAIR, SWARM = (RandomPoses(num_havs=count) for count in (1, 2, 50))
-OPTIONS = (
-    *("--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"),
-    *("--disable-background-networking", "--disable-component-update", "--window-size=1200,800"),
+from baselines.replay.web_page import template
+from tests.browser.page_driver import (
+    click_at,
+    colors_of,
+    drawn_time,
+    named,
+    place_of,
+    press,
+    seek,
+    state,
+    wait_for,
 )
-PATIENCE = 20.0  # s
-
-
-def program(name: str) -> str:
-    path = shutil.which(name)
-    if path is None:
-        pytest.fail(f"{name} is missing: apt-get install chromium chromium-driver")
-    return path
-
-
-@pytest.fixture(scope="module")
-def chromium(tmp_path_factory):
-    options = webdriver.ChromeOptions()
-    options.binary_location = program("chromium")
-    for option in (*OPTIONS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(option)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    # told where the driver is, Selenium looks for none elsewhere
-    driver = webdriver.Chrome(options=options, service=Service(program("chromedriver")))
-    yield driver
-    driver.quit()
-
-
-@pytest.fixture(scope="module")
-def trajectories() -> dict[str, Trajectory]:
-    steps = Task(max_steps=400)
-    return {
-        "single": record_trajectory(AvoidJack(), SINGLE, 0, 997, steps),  # jackknifes at step 381
-        "pair": record_trajectory(AvoidJack(), PAIR, 0, 5, steps),  # evades from step 330 on
-        "swarm": record_trajectory(AvoidJack(), SWARM, 0, 0, Task(max_steps=budget(200, 3))),
-        "left": record_trajectory(  # HAV 1 hits its goal in step 174
-            DubinsPursuit(),
-            RandomPoses(2, num_goals=1),
-            0,
-            14,
-            Task(max_steps=180, on_goal="remove"),
-        ),
-        "moment": record_trajectory(AvoidJack(), SINGLE, 0, 0, Task(max_steps=1)),
-    }
-
-
-@pytest.fixture(scope="module")
-def pages(trajectories, tmp_path_factory) -> dict[str, str]:
-    folder = tmp_path_factory.mktemp("pages")
-    for name, trajectory in trajectories.items():
-        write_replay(trajectory, folder / f"{name}.html")
-    return {name: (folder / f"{name}.html").as_uri() for name in trajectories}
-
-
-@pytest.fixture
-def page(chromium, pages):
-    """Return what opens a page; afterwards the browser must have had nothing to complain about."""
-
-    def open_page(name: str) -> webdriver.Chrome:
-        chromium.get(pages[name])
-        wait_for(lambda: state(chromium, "vehiclesDrawn") > 0)
-        return chromium
-
-    chromium.get_log("browser")
-    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
-    yield open_page
-    # "rendering" tells that the test reads pixels, which is slow
-    complaints = [entry for entry in chromium.get_log("browser") if entry["source"] != "rendering"]
-    assert complaints == []
-    # one file is all that was read
-    assert chromium.execute_script("return performance.getEntriesByType('resource').length") == 0
-
-
-def state(driver, name: str):
-    return driver.execute_script(f"return window.replay.{name}")
-
-
-def wait_for(condition) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline, "the page does not get there"
-        time.sleep(0.02)
-
-
-def named(driver, name: str):
-    return driver.find_element(By.ID, name)
-
-
-def press(driver, *keys: str) -> None:
-    ActionChains(driver).send_keys(*keys).perform()
-
-
-def seek(driver, moment: float) -> None:
-    driver.execute_script(
-        "const s = document.getElementById('scrub'); s.value = arguments[0];"
-        "s.dispatchEvent(new Event('input'))",
-        moment,
-    )
-    wait_for(lambda: drawn_time(driver) == f"{moment:.1f} s")
-
-
-def drawn_time(driver) -> str:
-    return named(driver, "clock").text.partition(" /")[0]
-
-
-def place_of(driver, hav: int) -> np.ndarray:
-    return np.array(driver.execute_script(f"return window.replay.positionOf({hav})"))
-
-
-def click_at(driver, place) -> None:
-    actions = ActionChains(driver)
-    actions.w3c_actions.pointer_action.move_to_location(*(round(value) for value in place))
-    actions.w3c_actions.pointer_action.click()
-    actions.perform()
-
-
-def colors_of(driver, canvas: str) -> set[tuple[int, ...]]:
-    """Return the colours on a canvas."""
-    pixels = driver.execute_script(
-        "const c = document.getElementById(arguments[0]);"
-        "const d = new Uint32Array(c.getContext('2d').getImageData(0, 0, c.width, c.height)"
-        ".data.buffer);"
-        "return [...new Set(d)]",
-        canvas,
-    )
-    return {tuple((pixel >> shift) & 255 for shift in (0, 8, 16)) for pixel in pixels}
 
 
 def test_it_plays_and_pauses(page):
@@ -341,6 +216,7 @@ def test_an_episode_of_one_step_can_be_shown(page):
 
 
 def test_the_page_is_one_file_that_asks_for_nothing():
-    text = (pathlib.Path(write_replay.__code__.co_filename).parent / "web_page.html").read_text()
+    text = template()
+    assert text.count("__") == 2  # where the episode belongs
     for part in ("http:", "https:", "import ", "fetch(", "@import", "url(", "src="):
         assert part not in text, part

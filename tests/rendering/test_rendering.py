@@ -5,15 +5,22 @@ import pytest
 
 from hav_env.rendering import Scene
 from hav_env.rendering.camera import Camera, round_length
-from hav_env.rendering.colors import AMBER, CALM, HAV_COLORS, RED, color_of, color_of_bend
+from hav_env.rendering.colors import AMBER, CALM, PALETTE, RED, color_of, color_of_bend
 from hav_env.rendering.history import History
 from hav_env.rendering.viewer import Viewer
+from hav_env.world.event_table import EVENTS
 
 SIZE = (480, 360)  # too small for the panels, so that a picture holds HAVs and goals alone
 
 
 def scene(num_havs=1, num_trailers=2, **changed) -> Scene:
-    """Return HAVs 40 m apart, straight, with goals far ahead, except for what is changed."""
+    """Return HAVs 40 m apart, straight, with goals far ahead, except for what is changed.
+
+    What has happened to them is given by the state of the event, as "jackknifed".
+    """
+    happened = np.zeros((num_havs, len(EVENTS)), np.bool_)
+    for event in EVENTS:
+        happened[:, event.row] = changed.pop(event.state, False)
     places = 40.0 * np.arange(num_havs)
     nothing, none = np.zeros(num_havs), np.zeros(num_havs, np.bool_)
     units = num_trailers + 1
@@ -34,9 +41,8 @@ def scene(num_havs=1, num_trailers=2, **changed) -> Scene:
         num_goals=2,
         waiting=none,
         removed=none,
-        jackknifed=none,
+        happened=happened,
         potential=none,
-        collided=none,
         evaded=np.full(num_havs, -1),
     )
     return standing._replace(**changed)
@@ -169,7 +175,7 @@ def test_far_away_havs_are_drawn_as_chains():
     shown = scene(50, x=x, potential=np.ones(50, np.bool_), evaded=np.roll(np.arange(50), 1))
     shown = shown._replace(heading=shown.heading + np.array([0.0, 0.0, 1.4]))
     frame = frame_of(shown, size=(960, 720))
-    assert all(len(where(frame, color)) for color in HAV_COLORS)
+    assert all(len(where(frame, color)) for color in PALETTE)
 
 
 def test_the_camera_moves_smoothly_and_is_told_to_begin_anew():
@@ -218,7 +224,8 @@ def test_lengths_are_rounded_up_to_steps_of_one_two_and_five():
 def test_events_are_told_once():
     history, shown = History(), scene(2)
     history.observe(shown)
-    later = shown._replace(
+    later = scene(
+        2,
         time=3.0,
         phase=1,
         hits=np.array([1, 0]),

@@ -10,7 +10,7 @@ import pytest
 
 from hav_env.rendering import describe, scene_of
 from hav_env.rendering.viewer import Viewer
-from hav_env.world.arrays import REMOVED
+from hav_env.world.arrays import ACTUAL, JACKKNIFE, REMOVED
 from tests.rendering.test_rendering import SIZE, frame_of, scene
 from tests.support.paths import ROOT
 from tests.support.worlds import aim, open_plane, put, stand
@@ -161,7 +161,9 @@ def test_a_scene_shows_the_world_of_a_batch():
     np.testing.assert_array_equal(seen.potential, [True, True])
     np.testing.assert_array_equal(seen.hits, [0, 0])
     np.testing.assert_array_equal(seen.evaded, [1, -1])
-    assert not (seen.removed | seen.jackknifed | seen.collided | seen.waiting).any()
+    assert not (
+        seen.removed | seen.happened[:, [JACKKNIFE, ACTUAL]].any(axis=1) | seen.waiting
+    ).any()
     put(batch.worlds, [3.0, 6.0, 5.0], -2e6, 2.0, w=1, agent=1)
     far = scene_of(batch.worlds, 1, 0.2)
     np.testing.assert_array_equal(far.removed, [False, False])  # only far away

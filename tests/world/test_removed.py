@@ -5,9 +5,20 @@ import pytest
 
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.replay.trajectory import record_trajectory
-from hav_env import Batch, Observation, Task, explicit, parallel_env
+from hav_env import Batch, Observation, RandomPoses, Task, explicit, parallel_env
 from hav_env.rendering import describe, scene_of
-from hav_env.world.arrays import ACTUAL, NEVER, POTENTIAL, REMOVED
+from hav_env.simulator.transition import ended, remove_arrived
+from hav_env.world.arrays import (
+    ACTUAL,
+    JACKKNIFE,
+    NEVER,
+    PHASE,
+    POTENTIAL,
+    REMOVED,
+    STEP,
+    WHEN,
+    is_removed,
+)
 from tests.support.budgets import budget
 
 FAR = [(0.0, 0.0), (1.55e7, 4.25e6), (-2.0037508e7, 2.0037508e7), (9e7, -9e7)]
@@ -144,3 +155,25 @@ def test_the_state_says_nothing_of_who_left():
     gone = [value for name, value in state.items() if name.startswith("hav_0_")]
     assert not any(gone)
     assert state["hav_1_present"] == 1.0
+
+
+def test_one_rule_tells_of_one_world_and_of_many():
+    rules = Task(on_goal="remove", on_collision="end", on_jackknife="end", max_steps=50)
+    batch = Batch(RandomPoses(2), 6, rules)
+    batch.reset(3)
+    batch.worlds.state.waiting[:, 1] = True
+    batch.worlds.state.clock[PHASE, 1] = batch.scenario.num_goals - 1
+    batch.worlds.state.waiting[:, 2] = True  # at a goal that is not the last
+    batch.worlds.record.first[1, ACTUAL, WHEN, 3] = 7
+    batch.worlds.record.first[0, JACKKNIFE, WHEN, 4] = 0  # before the first step
+    batch.worlds.state.clock[STEP, 5] = 50
+    over = [bool(ended(batch.task, batch.worlds, lane)) for lane in range(6)]
+    assert over == batch.ended.tolist() == [False, True, False, True, False, True]
+    remove_arrived(batch.task, batch.worlds)
+    gone = is_removed(batch.worlds, slice(None), slice(None))
+    assert gone.tolist() == [[w == 1 for w in range(6)]] * 2
+    assert all(
+        is_removed(batch.worlds, agent, lane) == gone[agent, lane]
+        for agent in range(2)
+        for lane in range(6)
+    )

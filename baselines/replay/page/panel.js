@@ -1,0 +1,153 @@
+// ---- the panel -------------------------------------------------------------------------------
+const events = listEvents();
+const buttons = [];
+
+/** Return what happened, in order; a pair's collision is one event. */
+function listEvents() {
+  const list = [];
+  const colors = { alert: () => theme.alert, warning: () => theme.ramp[1][1] };
+  for (let hav = 0; hav < numHavs; hav++) {
+    hitStep[hav].forEach((step, goal) => {
+      if (step === NEVER) return;
+      list.push({ time: step * dt, havs: [hav], sign: "✓", color: () => theme.havs[1], text: `HAV ${hav} hits goal ${goal + 1}` });
+    });
+    for (const kind of kinds) {
+      const { row, sign, happens } = kind, [step, where] = first[hav][row];
+      if (step === NEVER) continue;
+      const event = { time: step * dt, havs: [hav], sign, color: colors[kind.color] };
+      if (kind.place === "joint") {
+        list.push({ ...event, text: `HAV ${hav} ${happens} at joint ${where}` });
+        continue;
+      }
+      const [theirs, partner] = first[where][row], mutual = theirs === step && partner === hav;
+      if (mutual && where < hav) continue;
+      const pair = mutual ? `HAVs ${hav}, ${where}` : `HAV ${hav} with ${where}`;
+      list.push({ ...event, havs: [hav, where], text: `${pair}: ${happens}` });
+    }
+  }
+  return list.sort((one, two) => one.time - two.time);
+}
+
+function element(tag, text = "", kind = "") {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  if (kind) made.className = kind;
+  return made;
+}
+
+function buildPanel() {
+  const { policy, scenario, seed, episode: number } = episode;
+  document.title = `${policy}, ${scenario}, seed ${seed}, episode ${number}`;
+  find("title").textContent = policy;
+  find("subtitle").textContent = `${scenario}, seed ${seed}, episode ${number}`;
+  const limits = articulationMax.map((limit) => Math.round(limit * DEGREES));
+  find("limit").textContent = limits.every((limit) => limit === limits[0]) ? `limit, ${limits[0]}°` : "limit";
+  for (const event of events) {
+    const button = element("button");
+    event.mark = element("span", event.sign, "sign");
+    button.append(element("span", seconds(event.time), "when"), event.mark, element("span", event.text));
+    button.onclick = () => { seek(event.time); if (!event.havs.includes(state.selected)) select(event.havs[0]); };
+    event.item = element("li");
+    event.item.append(button);
+    find("events").querySelector("ul").append(event.item);
+    event.tick = element("i");
+    event.tick.style.left = `${100 * event.time / (duration || 1)}%`;
+    find("ticks").append(event.tick);
+  }
+  find("events").querySelector("p").hidden = events.length > 0;
+  for (let hav = 0; hav < numHavs; hav++) {
+    const button = element("button"), trailers = lengths[hav].length - 1;
+    const total = lengths[hav].reduce((sum, length) => sum + length, 0);
+    button.append(
+      element("span", hav, "chip"),
+      element("span", `${trailers} trailer${trailers > 1 ? "s" : ""}, ${total.toFixed(0)} m`),
+      element("span", "", "state"));
+    button.onclick = () => select(state.selected === hav ? null : hav);
+    button.setAttribute("aria-pressed", "false");
+    const item = element("li");
+    item.append(button);
+    find("havs").querySelector("ul").append(item);
+    buttons.push(button);
+  }
+  const speeds = [...new Set([0.5, 1, 2, 5, 10, 20, 50, 100, episode.speed])].sort((a, b) => a - b);
+  for (const speed of speeds) {
+    const option = element("option", `× ${+speed.toPrecision(3)}`);
+    option.value = speed;
+    find("speed").append(option);
+  }
+  find("speed").value = episode.speed;
+  find("scrub").max = duration;
+}
+
+function paintPanel() {
+  for (const event of events) event.mark.style.color = event.tick.style.background = event.color();
+  buttons.forEach((button, hav) => { button.querySelector(".chip").style.background = colorOf(hav); });
+  if (state.selected !== null) find("chip").style.background = colorOf(state.selected);
+  const stops = theme.ramp.map(([place, color]) => `${color} ${100 * place}%`);
+  find("ramp").style.background = `linear-gradient(to right, ${stops.join(", ")})`;
+}
+
+/** Return what a HAV is up to, as text, with what went wrong in bold. */
+function describe(hav, row) {
+  const hits = hitStep[hav].filter(happened).length, bad = harmsOf(hav).map((kind) => kind.state);
+  const doing = removed[row * numHavs + hav] ? "has left" : isWaiting(hav, phases[row]) ? "waits"
+    : evaded[row * numHavs + hav] !== NEVER ? `evades ${evaded[row * numHavs + hav]}` : "";
+  const plain = [bad.length > 1 ? "" : doing, `${hits}/${numGoals}`].filter(Boolean).join(" · ");
+  return [bad.join(", "), bad.length ? ` · ${plain}` : plain];
+}
+
+let told = -1;
+function showTime() {
+  const { row } = current, phase = phases[row];
+  find("clock").innerHTML = `${seconds(state.time)} <span>/ ${seconds(duration)}</span>`;
+  if (document.activeElement !== find("scrub") || +find("scrub").value !== state.time) find("scrub").value = state.time;
+  find("scrub").setAttribute("aria-valuetext", seconds(state.time));
+  if (told === row) return;
+  told = row;
+  find("phase").textContent = `goal ${phase + 1} of ${numGoals} under way`;
+  for (const event of events) event.item.className = event.time > state.time + 1e-9 ? "ahead" : "";
+  buttons.forEach((button, hav) => {
+    const [bad, plain] = describe(hav, row), place = button.querySelector(".state");
+    if (place.dataset.told === bad + plain) return;
+    place.dataset.told = bad + plain;
+    place.replaceChildren(element("b", bad), plain);
+  });
+}
+
+let figures = null;
+function showFigures(row, pose) {
+  const hav = state.selected, trailers = lengths[hav].length - 1;
+  const bends = articulations(hav, row), sizes = bends.map(Math.abs);
+  const worst = sizes.indexOf(Math.max(...sizes));
+  const angle = (radians) => `${(radians * DEGREES).toFixed(0)}°`.replace("-", "−").replace("−0°", "0°");
+  const hits = hitStep[hav].map((step) => (step === NEVER ? null : step * dt))
+    .filter((time) => time !== null && time <= state.time + 1e-9).map(seconds);
+  const moment = (kind) => {
+    const [step, where] = first[hav][kind.row], name = kind.place === "joint" ? "joint" : "HAV";
+    return happened(step) ? `at ${seconds(step * dt)}, ${name} ${where}` : "no";
+  };
+  const toldOf = (chosen) => chosen.map((kind) => [kind.state, moment(kind), kind.harm]);
+  const other = evaded[row * numHavs + hav];
+  const lines = [
+    ["trailers", `${trailers}, of ${lengths[hav].slice(1).map((length) => length.toFixed(1)).join(" ")}\u00a0m`],
+    ["truck", `${lengths[hav][0].toFixed(1)} m, drives ${driving[row * numHavs + hav].toFixed(2)} m/s`],
+    ["steering", angle(steerings[row * numHavs + hav] / 1e4)],
+    ["most bent", `${angle(bends[worst])} at joint ${worst + 1}`],
+    ["goals hit", `${hits.length} of ${numGoals}${hits.length ? `, at ${hits.join(", ")}` : ""}`],
+    ...toldOf(kinds.filter((kind) => !kind.company)),
+  ];
+  if (numHavs > 1) {
+    lines.push(
+      ["evades", other === NEVER ? "nobody" : `HAV ${other}`],
+      ...toldOf(kinds.filter((kind) => kind.company)));
+  }
+  const now = JSON.stringify(lines);
+  if (now === figures && find("figures").childElementCount) return;
+  figures = now;
+  find("figures").replaceChildren(...lines.flatMap(([name, value, harm]) => {
+    const bad = harm && value !== "no";
+    const told = element("dd");
+    told.append(bad ? element("b", value) : value);
+    return [element("dt", name), told];
+  }));
+}

@@ -1,0 +1,96 @@
+"""The events that can happen to a HAV, declared once.
+
+Tables, reports, figures, drawings and the replay page iterate over ``EVENTS``. A new event is one
+entry here, one row of ``Record.first``, and the rule that records it.
+"""
+
+from typing import NamedTuple
+
+from hav_env.compiled import kernel
+from hav_env.world.arrays import ACTUAL, JACKKNIFE, NEVER, POTENTIAL, WHEN
+
+
+class Event(NamedTuple):
+    """An event of which the first occurrence in an episode is recorded."""
+
+    name: str
+    """Column of the table, and entry of the report."""
+    row: int
+    """Row of ``Record.first``."""
+    stem: str
+    """Begins the names of the columns that tell the step and the place."""
+    place: str
+    """Meaning of WHERE: the "joint" of the HAV, or the "partner" in a collision."""
+    label: str
+    """Name of its figure."""
+    state: str
+    """Said of a HAV to which it has happened."""
+    happens: str
+    """Said of a HAV to which it happens now."""
+    sign: str
+    """One character that marks it in lists."""
+    color: str
+    """Key of its colour in drawings: "alert" or "warning"."""
+    company: bool
+    """It needs another HAV."""
+    harm: bool
+    """A HAV to which it has happened has failed."""
+
+
+EVENTS = (
+    Event(
+        name="jackknifed",
+        row=JACKKNIFE,
+        stem="jackknife",
+        place="joint",
+        label="jackknifed",
+        state="jackknifed",
+        happens="jackknifes",
+        sign="∠",
+        color="alert",
+        company=False,
+        harm=True,
+    ),
+    Event(
+        name="potential_collision",
+        row=POTENTIAL,
+        stem="potential_collision",
+        place="partner",
+        label="potential collision",
+        state="circles met",
+        happens="potential collision",
+        sign="○",
+        color="warning",
+        company=True,
+        harm=False,
+    ),
+    Event(
+        name="actual_collision",
+        row=ACTUAL,
+        stem="actual_collision",
+        place="partner",
+        label="actual collision",
+        state="collided",
+        happens="actual collision",
+        sign="✕",
+        color="alert",
+        company=True,
+        harm=True,
+    ),
+)
+HARM = tuple(event for event in EVENTS if event.harm)
+_HARM_ROWS = tuple(event.row for event in HARM)
+
+
+def happened(first, event: Event):
+    """Tell to which HAVs an event has happened, from ``Record.first`` (N, E, 2, ...)."""
+    return first[:, event.row, WHEN] != NEVER
+
+
+@kernel
+def unharmed(world, agent, lane):
+    """Tell whether no event that means failure has happened to a HAV."""
+    first, harmed = world.record.first, False
+    for row in _HARM_ROWS:
+        harmed = harmed | (first[agent, row, WHEN, lane] != NEVER)
+    return not harmed
