@@ -9,8 +9,8 @@ from shapely import LineString, Point, shortest_line
 from hav_env import Observation, Task, parallel_env
 from hav_env.maths.dubins import shortest_path, turns
 from hav_env.mdp.decision_process import DecisionProcess
-from hav_env.observation import bounds_of, name_columns
-from hav_env.observation.layout import scale_distance, scale_length
+from hav_env.observation import list_columns, name_columns
+from hav_env.observation.columns import scale_distance, scale_length
 from hav_env.world.arrays import ARTICULATION, SPEED, STEERING
 from tests.support.budgets import budget
 from tests.support.worlds import wrapped
@@ -267,8 +267,8 @@ def test_columns_take_the_signs_that_their_bounds_allow():
     process.look(everywhere, told)
     rows = told.observation.reshape(-1, len(process.columns))
     turns_and_places = ("bearing", "goal_heading", "path_turn", "r_heading")
-    for name, column in zip(process.columns, rows.T, strict=True):
-        low, high = bounds_of(name)
+    columns = list_columns(process.observation, process.batch.scenario.max_trailers)
+    for (name, low, high), column in zip(columns, rows.T, strict=True):
         assert low <= column.min() <= column.max() <= high
         if any(part in name for part in turns_and_places) and "chain" not in name:
             assert column.min() < -0.3
