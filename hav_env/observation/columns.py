@@ -51,7 +51,7 @@ def place_names(names: Iterable[str]) -> Any:
     Compiled code takes it as constants.
     """
     found = list(names)
-    return collections.namedtuple("Places", found, module=__name__)(*range(len(found)))  # noqa: PYI024
+    return collections.namedtuple("Places", found, module=__name__)(*range(len(found)))
 
 
 def places_of(group: tuple[Column, ...]) -> Any:

@@ -34,7 +34,6 @@ from hav_env.world.sensing import (
     own_footprint,
 )
 
-
 NEIGHBOR = (
     Column("present"),
     *place_columns(""),

@@ -32,7 +32,6 @@ from hav_env.world.sensing import (
     waits,
 )
 
-
 ITSELF = (
     Column("waits"),
     Column("goals_left"),
