@@ -25,7 +25,7 @@ Held = Annotated[int, Range(0, 10**6)]  # actions; 0 for none
 Runners = Annotated[int, Range(0, 1_024)]
 Discount = Annotated[float, Range(ABOVE_ZERO, 1.0, said="in (0, 1]")]
 Layers = tuple[Annotated[int, Range(1, 10_000)], ...]  # units of each
-_MOST_LAYERS = 16
+_MOST_HIDDEN_LAYERS = 16
 
 __all__ = [
     "AboveZero",
@@ -51,6 +51,6 @@ def check_arguments(arguments: Any) -> None:
         ValueError: naming the argument, its value and what is allowed.
     """
     check_fields("", arguments)
-    if not 1 <= len(arguments.layers) <= _MOST_LAYERS:
-        told = f"must name the units of 1 to {_MOST_LAYERS} layers"
+    if not 1 <= len(arguments.layers) <= _MOST_HIDDEN_LAYERS:
+        told = f"must name the units of 1 to {_MOST_HIDDEN_LAYERS} layers"
         raise ValueError(f"layers is {arguments.layers}, but {told}")

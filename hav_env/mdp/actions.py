@@ -8,9 +8,8 @@ import numpy as np
 
 from hav_env.models.annotations import show
 
-REAL_KINDS = (
-    "fiu"  # kinds of NumPy's types that are numbers: no bool, no complex, no text, no object
-)
+# kinds of NumPy's types that are numbers: no bool, no complex, no text, no object
+REAL_KINDS = "fiu"
 _SHORT_LIST = 64  # numbers up to which a list is looked at in less time than an array
 
 
