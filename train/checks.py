@@ -3,6 +3,7 @@
 from typing import Annotated, Any
 
 from hav_env.maths.random_numbers import Seed
+from hav_env.mdp.reward import check_reward
 from hav_env.models.annotations import Range
 from hav_env.models.checks import check_fields
 from hav_env.models.quantities import (
@@ -15,6 +16,7 @@ from hav_env.models.quantities import (
     Threads,
     Worlds,
 )
+from hav_env.vehicles import check_vehicle
 
 Decisions = Annotated[int, Range(1, 10**12)]
 # of a single number there is no deviation, by which advantages are divided
@@ -51,6 +53,8 @@ def check_arguments(arguments: Any) -> None:
         ValueError: naming the argument, its value and what is allowed.
     """
     check_fields("", arguments)
+    check_vehicle(arguments.vehicle)
+    check_reward(arguments.reward)
     if not 1 <= len(arguments.layers) <= _MOST_HIDDEN_LAYERS:
         told = f"must name the units of 1 to {_MOST_HIDDEN_LAYERS} layers"
         raise ValueError(f"layers is {arguments.layers}, but {told}")

@@ -13,6 +13,7 @@ from baselines.policies.files import load_trained
 from baselines.policies.shipped import policy_file
 from baselines.storage.atomic_files import read_object, write_text
 from baselines.storage.locks import LOCK
+from train.chosen_models import CHOSEN, describe_model, read_model
 
 DESCRIPTION = "run.json"
 Arguments = TypeVar("Arguments")
@@ -59,12 +60,14 @@ def read_run(folder: pathlib.Path, needed: str) -> dict[str, Any]:
 def plain(arguments: Any) -> dict[str, Any]:
     """Return a dataclass of arguments as JSON knows them."""
 
-    def told(value: Any) -> Any:
+    def told(name: str, value: Any) -> Any:
+        if name in CHOSEN:
+            return describe_model(value)
         if hasattr(value, "_asdict"):
             return value._asdict()
         return str(value) if isinstance(value, pathlib.Path) else value
 
-    return {name: told(value) for name, value in vars(arguments).items()}
+    return {name: told(name, value) for name, value in vars(arguments).items()}
 
 
 def restore(arguments_class: type[Arguments], told: dict[str, Any]) -> Arguments:
@@ -91,6 +94,8 @@ def _read_as(usual: Any, name: str, value: Any) -> Any:
     Raises:
         TypeError: when it is something else.
     """
+    if name in CHOSEN and isinstance(value, dict) and isinstance(value.get("class"), str):
+        return read_model(name, value)
     if hasattr(usual, "_asdict"):
         if not isinstance(value, dict) or set(value) != set(usual._fields):
             raise TypeError(f"{name} is {value!r}, but must have the fields {usual._fields}")
