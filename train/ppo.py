@@ -33,7 +33,6 @@ from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.models.text import visible
 from train import checks
-from train.chosen_models import OPTIONS, take_models
 from train.curriculum import Curriculum
 from train.export import network_of
 from train.runs import about_of, begin_run, plain, read_run, restore, versions
@@ -226,9 +225,8 @@ class Run:
 
     def write_checkpoint(self) -> None:
         """Write down where it is."""
-        write_checkpoint(
-            self.arguments.output / CHECKPOINT, self.learner, self.env, self.curve, self.seconds
-        )
+        path = self.arguments.output / CHECKPOINT
+        write_checkpoint(path, self.learner, self.env, self.curve, self.seconds)
 
     def go_on(self) -> None:
         """Go back to where the checkpoint was written.
@@ -236,8 +234,7 @@ class Run:
         Raises:
             ValueError: when it is broken, or was written by another version.
         """
-        path = self.arguments.output / CHECKPOINT
-        told = read_checkpoint(path, self.learner, self.env)
+        told = read_checkpoint(self.arguments.output / CHECKPOINT, self.learner, self.env)
         self.curve, self.seconds, self.restore_random_numbers = told
 
     def learn(self) -> None:
@@ -270,8 +267,8 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
     if preset not in PRESETS:
         raise ValueError(f"unknown preset {preset!r}; known: {', '.join(PRESETS)}")
     usual = dataclasses.replace(PRESETS[preset], output=pathlib.Path("runs") / preset)
-    usual, words = take_models(words, usual)
-    usage = f"python -m train.ppo [--preset {'|'.join(PRESETS)}] {OPTIONS} | --resume FOLDER"
+    usual, words = checks.take_models(words, usual)
+    usage = f"python -m train.ppo [--preset {'|'.join(PRESETS)}] {checks.OPTIONS} | --resume FOLDER"
     return parse_options(Arguments, usage, "Train HAVs with PPO.", words, usual), False
 
 

@@ -218,7 +218,9 @@ class HAVSwarmVectorEnv(_WorldsVectorEnv):
             num_envs: W.
             autoreset_mode: when a world whose episode has ended begins the next one.
             render_mode: None, "rgb_array" or "ansi".
-            team_reward, flatten, settings: as for ``HAVSwarmEnv``.
+            team_reward: as for ``HAVSwarmEnv``.
+            flatten: as for ``HAVSwarmEnv``.
+            settings: as for ``HAVSwarmEnv``.
 
         Raises:
             ValueError, TypeError: naming the argument, its value and what is allowed.

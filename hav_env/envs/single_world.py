@@ -50,7 +50,9 @@ class SingleWorld:
 
         Args:
             render_mode: how the screen shows it.
-            controlled, others, arguments: as of ``DecisionProcess``.
+            controlled: as of ``DecisionProcess``.
+            others: as of ``DecisionProcess``.
+            **arguments: as of ``DecisionProcess``.
 
         Raises:
             ValueError, TypeError: naming the argument, its value and what is allowed.

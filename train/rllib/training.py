@@ -33,8 +33,7 @@ from baselines.storage.locks import sole_user
 from hav_env.cli.options import parse_options, report_errors
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.models.text import visible
-from train.checks import check_arguments
-from train.chosen_models import OPTIONS, take_models
+from train.checks import OPTIONS, check_arguments, take_models
 from train.curriculum import reward_at
 from train.export import network_of
 from train.rllib.arguments import PRESETS, Arguments, check_batch

@@ -29,10 +29,12 @@ class TrainingCallback(BaseCallback):
         self.task = self.bar.add_task("", total=total, completed=self.first, rate="")
 
     def __enter__(self) -> "TrainingCallback":
+        """Show the bar."""
         self.bar.start()
         return self
 
     def __exit__(self, *error: object) -> None:
+        """Take the bar away."""
         self.bar.stop()
 
     def _on_step(self) -> bool:
