@@ -100,7 +100,8 @@ class DecisionProcess:
         """
         scenario = scenario_of(scenario, num_havs)
         check_observation(observation)
-        reward, vehicle = REWARDS.make(reward), VEHICLES.make(vehicle)
+        reward = REWARDS.make(reward) if isinstance(reward, str) else reward
+        vehicle = VEHICLES.make(vehicle) if isinstance(vehicle, str) else vehicle
         check_reward(reward)
         check_value("frame_skip", Skipped, frame_skip)
         self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
