@@ -141,7 +141,7 @@ def test_tensorboard_shows_every_term_every_event_and_the_evaluations(trained):
 def test_the_best_policy_is_that_of_the_highest_score(tmp_path, monkeypatch):
     hits = iter([0.2, 0.7, 0.7, 0.5])
 
-    def scripted(policy, scenario, episodes):
+    def scripted(policy, scenario, episodes, vehicle):
         return {"jackknifed": 0.1, "goal 1 hit": next(hits), "goal 2 hit": 0.0}
 
     monkeypatch.setattr(callback, "evaluate", scripted)
