@@ -71,6 +71,7 @@ class Agent(nn.Module):
     """Actor and critic, two layers of 64 tanh units each."""
 
     def __init__(self, columns: int) -> None:
+        """Take observations of so many columns."""
         super().__init__()
 
         def tower(outputs: int, gain: float) -> nn.Sequential:
@@ -89,14 +90,25 @@ class Agent(nn.Module):
         return self.critic(seen).squeeze(-1)
 
 
-def advantages_of(rewards, values, after, terminated, ended, discount, gae_lambda):
+def advantages_of(
+    rewards: torch.Tensor,
+    values: torch.Tensor,
+    after: torch.Tensor,
+    terminated: torch.Tensor,
+    ended: torch.Tensor,
+    discount: float,
+    gae_lambda: float,
+) -> torch.Tensor:
     """Return generalized advantages, all arrays (T, W).
 
     Args:
-        rewards: of the actions; values: before them; after: values of what was seen after them,
-            in the same episode.
-        terminated: nothing is gained any more; ended: terminated or truncated.
-        discount, gae_lambda: for each action.
+        rewards: of the actions.
+        values: of the observations before the actions.
+        after: values of the observations after the actions, in the same episode.
+        terminated: true where nothing is gained any more.
+        ended: true where the episode was terminated or truncated.
+        discount: for each action.
+        gae_lambda: for each action.
     """
     advantages, later = torch.zeros_like(rewards), torch.zeros(rewards.shape[1])
     for t in reversed(range(len(rewards))):

@@ -25,7 +25,7 @@ from hav_env import parallel_env
 from hav_env.mdp.decision_process import DecisionProcess
 from train.export import network_of
 
-SEEN, MEAN, DEVIATION = ("hav", "observation"), ("hav", "loc"), ("hav", "scale")
+OBSERVED, MEAN, DEVIATION = ("hav", "observation"), ("hav", "loc"), ("hav", "scale")
 LOG, VALUE = ("hav", "sample_log_prob"), ("hav", "state_value")
 
 
@@ -73,7 +73,7 @@ def train(told: Arguments) -> list[float]:
     }
     env = PettingZooWrapper(parallel_env(**settings))
     env.set_seed(1_000_000 * told.seed)  # the evaluator's episodes have small seeds
-    columns = env.observation_spec[SEEN].shape[-1]
+    columns = env.observation_spec[OBSERVED].shape[-1]
     means, critic = tower(columns, 2), tower(columns, 1)
     with torch.no_grad():
         means[-1].weight.mul_(0.01)
@@ -81,7 +81,7 @@ def train(told: Arguments) -> list[float]:
     with torch.no_grad():
         spread.state_independent_scale.fill_(float(np.log(0.4)))
     actor = ProbabilisticActor(
-        TensorDictModule(nn.Sequential(means, spread), [SEEN], [MEAN, DEVIATION]),
+        TensorDictModule(nn.Sequential(means, spread), [OBSERVED], [MEAN, DEVIATION]),
         in_keys=[MEAN, DEVIATION],
         out_keys=[env.action_key],
         distribution_class=IndependentNormal,  # the environment cuts actions to [-1, 1]
@@ -90,7 +90,7 @@ def train(told: Arguments) -> list[float]:
     )
     loss = ClipPPOLoss(
         actor,
-        TensorDictModule(critic, [SEEN], [VALUE]),
+        TensorDictModule(critic, [OBSERVED], [VALUE]),
         clip_epsilon=told.clip_range,
         entropy_bonus=False,
         normalize_advantage=True,

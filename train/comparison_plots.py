@@ -59,7 +59,8 @@ def draw_curves(
 
     Args:
         curves: of each policy, the rows of its ``curve.json``.
-        name, reference: of the policy to compare with; its figures are drawn as dashed lines.
+        name: of the policy to compare with.
+        reference: the figures of that policy, drawn as dashed lines.
     """
     figure = new_figure(2.4)
     goals, harm = figure.subplots(1, 2)

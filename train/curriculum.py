@@ -2,7 +2,8 @@
 
 from typing import Any, NamedTuple
 
-from hav_env import Reward
+from hav_env import RandomFleet
+from hav_env.mdp.reward import harm_terms
 from hav_env.models.checks import check_relations, check_value
 from hav_env.models.quantities import Share
 
@@ -23,17 +24,20 @@ class Curriculum(NamedTuple):
 
 
 def lengthen(scenario: Any, trailer_sigma: float) -> Any:
-    """Return a scenario with another distribution of trailer counts; an explicit one as it is.
+    """Return a scenario with another distribution of trailer counts, if it draws its HAVs.
 
     Of the paper's HAVs one in 300 has nine trailers or more: too few to learn from.
 
     Args:
-        scenario: with random fleets.
+        scenario: of any kind; the fields that hold a ``RandomFleet`` change.
         trailer_sigma: of the Rayleigh distribution of the counts.
     """
-    if not hasattr(scenario, "fleet"):
-        return scenario
-    return scenario._replace(fleet=scenario.fleet._replace(trailer_sigma=trailer_sigma))
+    drawn = {
+        field: value._replace(trailer_sigma=trailer_sigma)
+        for field, value in scenario._asdict().items()
+        if isinstance(value, RandomFleet)
+    }
+    return scenario._replace(**drawn) if drawn else scenario
 
 
 def check_curriculum(curriculum: Curriculum) -> None:
@@ -63,13 +67,13 @@ def harm_share(curriculum: Curriculum, progress: float) -> float:
     return curriculum.share + (1.0 - curriculum.share) * grown
 
 
-def reward_at(curriculum: Curriculum, reward: Reward, progress: float) -> Reward:
-    """Return the reward when this part of the training is over."""
+def reward_at(curriculum: Curriculum, reward: Any, progress: float) -> Any:
+    """Return the reward when this part of the training is over.
+
+    Args:
+        curriculum: says how the weights of harm grow.
+        reward: with its full weights; ``harm_terms`` names those of harm.
+        progress: the part, from 0 to 1.
+    """
     share = harm_share(curriculum, progress)
-    return reward._replace(
-        jackknife=share * reward.jackknife,
-        actual_collision=share * reward.actual_collision,
-        potential_collision=share * reward.potential_collision,
-        proximity=share * reward.proximity,
-        articulation=share * reward.articulation,
-    )
+    return reward._replace(**{term: share * getattr(reward, term) for term in harm_terms(reward)})

@@ -19,7 +19,8 @@ def network_of(
     Args:
         layers: from the observation (D,) to the means of both actions.
         process: what was learned on; says what is observed and how long an action is held.
-        mean, variance: (D,) by which observations are normalized; none by default.
+        mean: (D,) by which observations are normalized; none by default.
+        variance: (D,), likewise.
         limit: to which normalized observations are cut.
     """
     sizes, weights = pack_layers(

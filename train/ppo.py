@@ -27,7 +27,7 @@ from baselines.policies.files import save_policy
 from baselines.policies.network import Network
 from baselines.policies.shipped import find_trained
 from baselines.storage.locks import sole_user
-from hav_env import Observation, Reward
+from hav_env import Observation
 from hav_env.cli.options import parse_options, report_errors
 from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.maths.random_numbers import SEED_LIMIT
@@ -36,11 +36,11 @@ from train import checks
 from train.curriculum import Curriculum
 from train.export import network_of
 from train.runs import about_of, begin_run, plain, read_run, restore, versions
-from train.sb3.callback import Between
+from train.sb3.callback import TrainingCallback
 from train.sb3.checkpoints import read_checkpoint, write_checkpoint
 from train.sb3.warm_start import start_from
 from train.scores import TRAINING, conclude
-from train.training_task import CURRICULUM, OBSERVATION, REWARD, settings_of
+from train.training_task import CURRICULUM, OBSERVATION, REWARD, VEHICLE, settings_of
 
 CHECKPOINT = "checkpoint.pt"
 
@@ -50,7 +50,7 @@ class Arguments:
     """How to train."""
 
     scenario: str = "paper-single"
-    """Its name, or a JSON file."""
+    """Its name, a JSON file or module:Class."""
     output: pathlib.Path = pathlib.Path("runs/ppo")
     """Folder of the run."""
     seed: checks.Seed = 0
@@ -99,7 +99,8 @@ class Arguments:
     """What a HAV observes of others; of no more than there are."""
     trailer_sigma: checks.Spread = 4.5
     """Of the trailer counts to train on, see ``RandomFleet``; evaluations have the scenario's."""
-    reward: Reward = REWARD
+    vehicle: Any = VEHICLE
+    reward: Any = REWARD
     """Weights of its terms."""
     curriculum: Curriculum = CURRICULUM
     """How the weights of harm grow."""
@@ -233,8 +234,7 @@ class Run:
         Raises:
             ValueError: when it is broken, or was written by another version.
         """
-        path = self.arguments.output / CHECKPOINT
-        told = read_checkpoint(path, self.learner, self.env)
+        told = read_checkpoint(self.arguments.output / CHECKPOINT, self.learner, self.env)
         self.curve, self.seconds, self.restore_random_numbers = told
 
     def learn(self) -> None:
@@ -244,8 +244,8 @@ class Run:
         if left <= 0:
             return
         learner.set_logger(configure(str(arguments.output), ["tensorboard"]))
-        with Between(self) as between:
-            learner.learn(left, callback=between, reset_num_timesteps=False)
+        with TrainingCallback(self) as callback:
+            learner.learn(left, callback=callback, reset_num_timesteps=False)
 
 
 def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
@@ -267,7 +267,8 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
     if preset not in PRESETS:
         raise ValueError(f"unknown preset {preset!r}; known: {', '.join(PRESETS)}")
     usual = dataclasses.replace(PRESETS[preset], output=pathlib.Path("runs") / preset)
-    usage = f"python -m train.ppo [--preset {'|'.join(PRESETS)}] | --resume FOLDER"
+    usual, words = checks.take_models(words, usual)
+    usage = f"python -m train.ppo [--preset {'|'.join(PRESETS)}] {checks.OPTIONS} | --resume FOLDER"
     return parse_options(Arguments, usage, "Train HAVs with PPO.", words, usual), False
 
 
@@ -289,7 +290,7 @@ def train(words: list[str]) -> None:
             begin_run(arguments.output, plain(arguments))
         run.learn()
         best = arguments.output / "best.policy"
-        found = conclude(best, arguments.scenario, arguments.scored_episodes)
+        found = conclude(best, arguments.scenario, arguments.scored_episodes, arguments.vehicle)
     told = ", ".join(f"{name} {value:.4g}" for name, value in found.items())
     print(f"{told}\npolicy: {visible(str(best))}")
 

@@ -13,6 +13,8 @@ from baselines.policies.files import load_trained
 from baselines.policies.shipped import policy_file
 from baselines.storage.atomic_files import read_object, write_text
 from baselines.storage.locks import LOCK
+from hav_env.models.names import REGISTRIES
+from train.checks import CHOSEN
 
 DESCRIPTION = "run.json"
 Arguments = TypeVar("Arguments")
@@ -59,12 +61,14 @@ def read_run(folder: pathlib.Path, needed: str) -> dict[str, Any]:
 def plain(arguments: Any) -> dict[str, Any]:
     """Return a dataclass of arguments as JSON knows them."""
 
-    def told(value: Any) -> Any:
+    def told(name: str, value: Any) -> Any:
+        if name in CHOSEN:
+            return _describe_model(value)
         if hasattr(value, "_asdict"):
             return value._asdict()
         return str(value) if isinstance(value, pathlib.Path) else value
 
-    return {name: told(value) for name, value in vars(arguments).items()}
+    return {name: told(name, value) for name, value in vars(arguments).items()}
 
 
 def restore(arguments_class: type[Arguments], told: dict[str, Any]) -> Arguments:
@@ -91,6 +95,8 @@ def _read_as(usual: Any, name: str, value: Any) -> Any:
     Raises:
         TypeError: when it is something else.
     """
+    if name in CHOSEN and isinstance(value, dict) and isinstance(value.get("class"), str):
+        return _read_model(name, value)
     if hasattr(usual, "_asdict"):
         if not isinstance(value, dict) or set(value) != set(usual._fields):
             raise TypeError(f"{name} is {value!r}, but must have the fields {usual._fields}")
@@ -109,6 +115,26 @@ def _read_as(usual: Any, name: str, value: Any) -> Any:
     if not isinstance(value, kinds) or isinstance(value, bool) is not isinstance(usual, bool):
         raise TypeError(f"{name} is {value!r}, but must be of type {type(usual).__name__}")
     return value if usual is None else type(usual)(value)
+
+
+def _describe_model(model: Any) -> dict[str, Any]:
+    """Return the class of a model and its parameters as JSON knows them."""
+    model_class = type(model)
+    return {"class": f"{model_class.__module__}:{model_class.__qualname__}", **model._asdict()}
+
+
+def _read_model(kind: str, told: dict[str, Any]) -> Any:
+    """Return the model that ``_describe_model`` has described.
+
+    Raises:
+        ValueError: when there is no such class.
+        TypeError: when its parameters are others.
+    """
+    parameters = {name: value for name, value in told.items() if name != "class"}
+    found = REGISTRIES[kind].find(told["class"])
+    if set(found._fields) != set(parameters):
+        raise TypeError(f"{kind} is {told!r}, but must have the fields {found._fields}")
+    return REGISTRIES[kind].make(found, **parameters)
 
 
 def about_of(name: str) -> dict[str, Any]:

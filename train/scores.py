@@ -11,15 +11,19 @@ from baselines.policies.network import Network
 from hav_env.evaluation.comparison import figures_of, measure
 from hav_env.evaluation.rollout import rollout
 from hav_env.scenarios.presets import scenario_of
+from hav_env.vehicles import OnAxle
 
 # seeds of episodes: those that the best policy is scored on at the end, those that it is chosen by,
 # and the first of those to train on
 SCORED, HELD_OUT, TRAINING = 0, 1, 1_000_000
 
 
-def evaluate(policy: Network, scenario: Any, episodes: int) -> dict[str, float]:
+def evaluate(
+    policy: Network, scenario: Any, episodes: int, vehicle: Any = OnAxle()
+) -> dict[str, float]:
     """Return the evaluator's figures of a policy on the first of the held-out episodes."""
-    return _figures(rollout(policy, scenario_of(scenario), HELD_OUT, np.arange(episodes)))
+    numbers = np.arange(episodes)
+    return _figures(rollout(policy, scenario_of(scenario), HELD_OUT, numbers, vehicle=vehicle))
 
 
 def score(figures: dict[str, float]) -> float:
@@ -29,10 +33,12 @@ def score(figures: dict[str, float]) -> float:
     return float(np.mean(goals)) - 2.0 * harm
 
 
-def conclude(path: pathlib.Path, scenario: Any, episodes: int) -> dict[str, float]:
+def conclude(
+    path: pathlib.Path, scenario: Any, episodes: int, vehicle: Any = OnAxle()
+) -> dict[str, float]:
     """Score a policy on episodes that nothing was chosen by; write the figures into its file."""
     policy, about = load_trained(path)
-    table = rollout(policy, scenario_of(scenario), SCORED, np.arange(episodes))
+    table = rollout(policy, scenario_of(scenario), SCORED, np.arange(episodes), vehicle=vehicle)
     figures = _figures(table)
     first = table.select(["episode", "hav", "path_length", "largest_articulation"]).slice(0, 4)
     told = {"seed": SCORED, "episodes": episodes, "figures": figures, "first": first.to_pylist()}

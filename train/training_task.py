@@ -1,13 +1,14 @@
 """What is practised, whichever stack learns it."""
 
-from typing import Protocol
+from typing import Any, Protocol
 
-from hav_env import Observation, Reward, Task
+from hav_env import Observation, OnAxle, Reward, Task
 from hav_env.mdp.decision_process import Settings
 from hav_env.scenarios.presets import scenario_of
 from train.curriculum import Curriculum, lengthen
 
 CURRICULUM, OBSERVATION = Curriculum(), Observation(neighbors=1, fronts=True)
+VEHICLE = OnAxle()
 REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-4.0, time=-0.05)
 
 
@@ -27,7 +28,11 @@ class Exercise(Protocol):
         """What a HAV observes of others."""
 
     @property
-    def reward(self) -> Reward:
+    def vehicle(self) -> Any:
+        """The kinematics."""
+
+    @property
+    def reward(self) -> Any:
         """Weights of its terms."""
 
     @property
@@ -40,11 +45,17 @@ class Exercise(Protocol):
 
 
 def settings_of(arguments: Exercise, threads: int | None = None) -> Settings:
-    """Return what the environments are built from; ``threads`` step their worlds."""
+    """Return what the environments are built from.
+
+    Args:
+        arguments: of a training.
+        threads: how many step the worlds.
+    """
     return {
         "threads": threads,
         "scenario": lengthen(scenario_of(arguments.scenario), arguments.trailer_sigma),
         "observation": arguments.observation,
+        "vehicle": arguments.vehicle,
         "reward": arguments.reward,
         "frame_skip": arguments.frame_skip,
         "task": Task(max_steps=arguments.max_steps, on_jackknife="end", on_collision="end"),

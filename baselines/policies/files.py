@@ -6,14 +6,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from baselines.policies.network import MOST_TRAILERS, Network, check_network, count_columns
+from baselines.policies.network import (
+    MOST_COLUMNS,
+    MOST_OBSERVED_TRAILERS,
+    Network,
+    check_network,
+    count_columns,
+    find_inputs,
+    input_names,
+)
 from baselines.storage.archives import MOST_TEXT, one_line, read_archive
 from baselines.storage.atomic_files import whole_file
-from hav_env.observation import Observation, check_observation, name_columns
+from hav_env.observation import Observation, check_observation
 
 SUFFIX = ".policy"
 _KINDS = {"sizes": "i", "weights": "f", "mean": "f", "scale": "f", "layout": "U", "about": "U"}
-_MOST_BYTES = 1 << 26  # unpacked
+_MOST_UNPACKED = 1 << 26  # unpacked
 _MOST_NAMED = 8  # columns in a message
 _MOST_HELD = 1_000_000  # steps that an action is held
 _ARRAYS = {"sizes": np.int64, "weights": np.float32, "mean": np.float64, "scale": np.float64}
@@ -41,7 +49,7 @@ def save_policy(policy: Network, path: pathlib.Path, about: dict[str, Any]) -> N
     check_network(policy)
     layout = {
         "actions": ["speed", "steering"],
-        "columns": name_columns(policy.observation, policy.max_trailers),
+        "columns": input_names(policy),
         "observation": policy.observation._asdict(),
         "max_trailers": policy.max_trailers,
         "frame_skip": policy.frame_skip,
@@ -69,8 +77,8 @@ def load_trained(path: str | pathlib.Path) -> Trained:
     """Read a file.
 
     Raises:
-        ValueError: when there is no such file, it is broken, or its policy observes other columns
-            than this version of the project offers.
+        ValueError: when there is no such file, it is broken, or its policy reads columns that this
+            version of the project does not have.
     """
     try:
         found = pathlib.Path(path).is_file()
@@ -80,19 +88,14 @@ def load_trained(path: str | pathlib.Path) -> Trained:
         raise ValueError(f"there is no policy file {path}")
     try:
         with open(path, "rb") as file:
-            arrays = read_archive(file, _KINDS, _MOST_BYTES)
+            arrays = read_archive(file, _KINDS, _MOST_UNPACKED)
         layout, about = (json.loads(arrays[name].item()) for name in ("layout", "about"))
         if not isinstance(about, dict):
             raise ValueError(f"about is {type(about).__name__}, but must be an object")
         observation = _read_observation(layout["observation"])
-        max_trailers = _whole(layout, "max_trailers", MOST_TRAILERS)
+        max_trailers = _whole(layout, "max_trailers", MOST_OBSERVED_TRAILERS)
         count_columns(observation, max_trailers)
-        ours = name_columns(observation, max_trailers)
-        theirs = layout["columns"]
-        if not isinstance(theirs, list) or not all(
-            isinstance(name, str) and name.isidentifier() for name in theirs
-        ):
-            raise ValueError("columns must be a list of names")
+        inputs, missing = find_inputs(_read_names(layout), observation, max_trailers)
         policy = Network(
             arrays["sizes"].astype(np.int64),
             arrays["weights"].astype(np.float64),
@@ -102,15 +105,13 @@ def load_trained(path: str | pathlib.Path) -> Trained:
             _whole(layout, "frame_skip", _MOST_HELD),
             observation,
             max_trailers,
+            inputs,
         )
-        if theirs == list(ours):
-            check_network(policy)
+        check_network(policy)
     except Exception as error:  # what is broken may break the reading anywhere
         raise ValueError(f"{path} is no policy file, or a broken one: {one_line(error)}") from None
-    if theirs != list(ours):
-        raise ValueError(
-            f"{path} observes other columns than this version: {_differ(theirs, list(ours))}"
-        )
+    if missing:
+        raise ValueError(f"{path} observes what this version does not: {_list(missing)}")
     return Trained(policy, about)
 
 
@@ -139,12 +140,16 @@ def _real(layout: dict[str, Any], name: str) -> float:
     return float(value)
 
 
-def _differ(theirs: list[str], ours: list[str]) -> str:
-    """Say in which columns two layouts differ."""
-    more, fewer = sorted(set(theirs) - set(ours)), sorted(set(ours) - set(theirs))
-    parts = [f"only it has {_list(more)}"] * bool(more)
-    parts += [f"it lacks {_list(fewer)}"] * bool(fewer)
-    return "; ".join(parts) or "they stand in another order"
+def _read_names(layout: dict[str, Any]) -> list[str]:
+    """Return the names of the columns that a policy reads."""
+    names = layout["columns"]
+    if not isinstance(names, list) or not all(
+        isinstance(name, str) and name.isidentifier() for name in names
+    ):
+        raise ValueError("columns must be a list of names")
+    if not 0 < len(set(names)) == len(names) <= MOST_COLUMNS:
+        raise ValueError(f"columns must be 1 to {MOST_COLUMNS} names, each once")
+    return names
 
 
 def _list(names: list[str]) -> str:

@@ -1,13 +1,13 @@
 """A trained policy: a multilayer perceptron from what a HAV observes to its speed and steering."""
 
 import itertools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, fixed, kernel
-from hav_env.maths.elementary import exp
-from hav_env.maths.geometry import clip
+from baselines.policies.layers import normalize, propagate
+from hav_env.compiled import VECTOR, kernel
 from hav_env.mdp.advance import to_command
 from hav_env.models.quantities import Skipped, Trailers
 from hav_env.observation import (
@@ -21,9 +21,10 @@ from hav_env.observation import (
 from hav_env.policies.interface import act_lanes, check_parameters, memory_size
 from hav_env.world.sensing import episode_key, limits
 
-MOST_LAYERS, MOST_UNITS, MOST_WEIGHTS = 32, 8_192, 1 << 22
-MOST_TRAILERS, MOST_COLUMNS = 1_000, 1 << 14
+MOST_LAYERS, WIDEST_LAYER, MOST_WEIGHTS = 32, 8_192, 1 << 22
+MOST_OBSERVED_TRAILERS, MOST_COLUMNS = 1_000, 1 << 14
 LARGEST_WEIGHT = 1e12  # so that no sum of products overflows, and no action is NaN
+EVERY_COLUMN = np.zeros(0, np.int64)  # the inputs of a network that reads a whole row
 
 
 class Network(NamedTuple):
@@ -34,13 +35,13 @@ class Network(NamedTuple):
     """
 
     sizes: np.ndarray
-    """(L + 1,) int64: columns of the observation, units of each layer; the last are 2."""
+    """(L + 1,) int64: the number of inputs, units of each layer; the last are 2."""
     weights: np.ndarray
     """float64, of one layer after the other: its weights (outputs, inputs), then its biases."""
     mean: np.ndarray
-    """(D,) float64."""
+    """(I,) float64, of the inputs."""
     scale: np.ndarray
-    """(D,) float64."""
+    """(I,) float64."""
     limit: float
     frame_skip: Skipped
     """For how many steps an action is held; new ones are taken at its multiples."""
@@ -48,11 +49,15 @@ class Network(NamedTuple):
     """What is observed; settled, so that it tells the number of neighbours."""
     max_trailers: Trailers
     """Of the observation."""
+    inputs: np.ndarray = EVERY_COLUMN
+    """(I,) int64: which columns of the observation are read, in the order of the first layer; with
+    none, all columns are read in their order."""
 
 
-# What a HAV remembers: its command [m/s, rad]; and while it decides: its route, the lanes in which
-# to decide, the columns of the observation, then two areas for the layers by turns.
-_REMAINING, _SPEED, _STEERING, _DUE, _COLUMNS = range(ROUTE_SIZE, ROUTE_SIZE + 5)
+# A HAV remembers its command [m/s, rad]. While it decides, it also holds its route, the lanes in
+# which to decide, and the inputs. Behind them stand the columns of the observation, and once these
+# have been read, two areas for the layers by turns.
+_PATH_LEFT, _HELD_SPEED, _HELD_STEERING, _DUE, _INPUTS = range(ROUTE_SIZE, ROUTE_SIZE + 5)
 
 
 def pack_layers(layers: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
@@ -73,9 +78,36 @@ def unpack_layers(policy: Network) -> list[tuple[np.ndarray, np.ndarray]]:
     return layers
 
 
+def input_names(policy: Network) -> tuple[str, ...]:
+    """Return the names of the columns that a network reads, in the order of its first layer."""
+    names = name_columns(policy.observation, policy.max_trailers)
+    return tuple(names[k] for k in policy.inputs) if policy.inputs.size else names
+
+
+def find_inputs(
+    names: Sequence[str], observation: Observation, max_trailers: int
+) -> tuple[np.ndarray, list[str]]:
+    """Find columns by their names.
+
+    Args:
+        names: of the columns that a network reads.
+        observation: what is observed now; settled.
+        max_trailers: of the observation.
+
+    Returns:
+        The inputs of the network; the names that no column has.
+    """
+    places = {name: k for k, name in enumerate(name_columns(observation, max_trailers))}
+    missing = [name for name in names if name not in places]
+    if list(names) == list(places):
+        return EVERY_COLUMN, missing
+    return np.array([places.get(name, 0) for name in names], np.int64), missing
+
+
 @memory_size.register
 def _(policy: Network) -> int:
-    return _COLUMNS + int(policy.sizes[0]) + 2 * int(max(policy.sizes[1:]))
+    columns = count_columns(policy.observation, policy.max_trailers)
+    return _INPUTS + int(policy.sizes[0]) + max(columns, 2 * int(max(policy.sizes[1:])))
 
 
 @check_parameters.register
@@ -97,7 +129,7 @@ def check_network(policy: Network) -> None:
     Raises:
         ValueError: naming the field, its value and what is allowed.
     """
-    columns = count_columns(policy.observation, policy.max_trailers)
+    columns = _count_inputs(policy)
     shape = policy.sizes.shape
     if len(shape) != 1 or not 2 <= shape[0] <= MOST_LAYERS + 1 or policy.sizes.dtype.kind != "i":
         raise ValueError(
@@ -105,10 +137,10 @@ def check_network(policy: Network) -> None:
             f" it must be whole numbers of 1 to {MOST_LAYERS} layers"
         )
     sizes: list[int] = policy.sizes.tolist()  # Python's numbers do not overflow
-    if min(sizes) < 1 or max(sizes[1:]) > MOST_UNITS or (sizes[0], sizes[-1]) != (columns, 2):
+    if min(sizes) < 1 or max(sizes[1:]) > WIDEST_LAYER or (sizes[0], sizes[-1]) != (columns, 2):
         raise ValueError(
             f"policy sizes is {sizes}, which does not fit: it must lead from {columns} columns to 2"
-            f" outputs, with 1 to {MOST_UNITS} units in between"
+            f" outputs, with 1 to {WIDEST_LAYER} units in between"
         )
     weights = sum((inputs + 1) * outputs for inputs, outputs in itertools.pairwise(sizes))
     if weights > MOST_WEIGHTS:
@@ -127,14 +159,31 @@ def check_network(policy: Network) -> None:
         raise ValueError(f"policy limit is {policy.limit}, but must be finite and above 0")
 
 
+def _count_inputs(policy: Network) -> int:
+    """Return how many columns a network reads.
+
+    Raises:
+        ValueError: when it reads columns that are none.
+    """
+    columns, inputs = count_columns(policy.observation, policy.max_trailers), policy.inputs
+    if inputs.ndim != 1 or inputs.dtype != np.int64 or inputs.size > MOST_COLUMNS:
+        found = f"{inputs.dtype} of shape {inputs.shape}"
+        rule = f"must be at most {MOST_COLUMNS} places of columns, int64"
+        raise ValueError(f"policy inputs is {found}, but {rule}")
+    outside = inputs[(inputs < 0) | (inputs >= columns)]
+    if outside.size:
+        raise ValueError(f"policy inputs holds {outside[0]}, but must be from 0 to {columns - 1}")
+    return inputs.size or columns
+
+
 def count_columns(observation: Observation, max_trailers: int) -> int:
     """Return how many columns an observation has, before their names are made.
 
     Raises:
         ValueError: when there are more than any policy may have.
     """
-    if not 0 <= max_trailers <= MOST_TRAILERS:
-        rule = f"but must be from 0 to {MOST_TRAILERS}"
+    if not 0 <= max_trailers <= MOST_OBSERVED_TRAILERS:
+        rule = f"but must be from 0 to {MOST_OBSERVED_TRAILERS}"
         raise ValueError(f"policy max_trailers is {max_trailers}, {rule}")
     none, one = (len(name_columns(observation._replace(neighbors=k), max_trailers)) for k in (0, 1))
     columns = none + max(observation.neighbors, 0) * (one - none)
@@ -157,25 +206,26 @@ def follow_network(policy, memory, world, agent, speed, steering):
     rows = memory[agent]
     due = _list_due(policy, rows, world, agent)
     if due > 0:
-        plan_route(world, agent, memory, memory[:, _REMAINING])
-        columns = rows[_COLUMNS : _COLUMNS + policy.sizes[0]]
+        plan_route(world, agent, memory, memory[:, _PATH_LEFT])
+        inputs = rows[_INPUTS : _INPUTS + policy.sizes[0]]
+        columns = rows[_INPUTS + policy.sizes[0] :]
         observe(policy.observation, world, agent, memory, columns)
         padded = min((due + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
-        _gather(rows, columns, due, padded)
-        normalize(policy, columns, padded)
-        actions = propagate(policy, rows[_COLUMNS:], padded)
+        _gather(policy, rows, columns, inputs, due, padded)
+        normalize(policy, inputs, padded)
+        actions = propagate(policy, rows[_INPUTS:], padded)
         for k in range(due):
             lane = int(rows[_DUE, k])
             speed_max, steering_max, _ = limits(world, agent, lane)
-            rows[_SPEED, lane], rows[_STEERING, lane] = to_command(
-                rows[_COLUMNS + actions, k],
-                rows[_COLUMNS + actions + 1, k],
+            rows[_HELD_SPEED, lane], rows[_HELD_STEERING, lane] = to_command(
+                rows[_INPUTS + actions, k],
+                rows[_INPUTS + actions + 1, k],
                 speed_max,
                 steering_max,
             )
     for lane in range(world.lanes):
-        speed[agent, lane] = rows[_SPEED, lane]
-        steering[agent, lane] = rows[_STEERING, lane]
+        speed[agent, lane] = rows[_HELD_SPEED, lane]
+        steering[agent, lane] = rows[_HELD_STEERING, lane]
 
 
 @kernel
@@ -191,69 +241,11 @@ def _list_due(policy, rows, world, agent):
 
 
 @kernel
-def _gather(rows, columns, due, padded):
-    """Move what is seen in the lanes that are due to the first ones; fill up with zeros."""
-    for column in range(columns.shape[0]):
+def _gather(policy, rows, columns, inputs, due, padded):
+    """Move what is read in the lanes that are due to the first ones; fill up with zeros."""
+    for number in range(inputs.shape[0]):
+        column = policy.inputs[number] if policy.inputs.size > 0 else number
         for k in range(due):
-            columns[column, k] = columns[column, int(rows[_DUE, k])]
+            inputs[number, k] = columns[column, int(rows[_DUE, k])]
         for k in range(due, padded):
-            columns[column, k] = 0.0
-
-
-@kernel
-def normalize(policy, columns, lanes):
-    """Normalize the columns (D, W) of an observation in the first lanes."""
-    for number in range(columns.shape[0]):
-        column = fixed(number)
-        mean, scale, limit = policy.mean[column], policy.scale[column], policy.limit
-        for k in range(lanes):
-            columns[column, k] = clip((columns[column, k] - mean) * scale, -limit, limit)
-
-
-@kernel
-def propagate(policy, rows, lanes):
-    """Work out the layers in the first lanes.
-
-    Args:
-        policy: a Network.
-        rows: (K, W) whose first rows are the inputs; the others are overwritten.
-        lanes: how many.
-
-    Returns:
-        In which row the first of both outputs is; the second one is in the next.
-    """
-    inputs, first, widest = 0, 0, 0
-    for layer in range(1, policy.sizes.size):
-        widest = max(widest, policy.sizes[layer])
-    outputs, last = policy.sizes[0], policy.sizes.size - 1
-    for layer in range(1, policy.sizes.size):
-        num_inputs, num_outputs = policy.sizes[layer - 1], policy.sizes[layer]
-        biases = first + num_inputs * num_outputs
-        for number in range(num_outputs):
-            output = fixed(outputs + number)
-            _sum_up(policy, rows, lanes, inputs, output, num_inputs, first, biases + number)
-            first += num_inputs
-            if layer < last:
-                for k in range(lanes):  # tanh
-                    rows[output, k] = 1.0 - 2.0 / (1.0 + exp(2.0 * rows[output, k]))
-        first += num_outputs
-        inputs, outputs = outputs, policy.sizes[0] + (widest if layer % 2 == 1 else 0)
-    return inputs
-
-
-@kernel
-def _sum_up(policy, rows, lanes, inputs, output, num_inputs, first, bias):
-    """Work out one unit: its bias, plus weights times inputs, four at a time."""
-    weights = policy.weights
-    for k in range(lanes):
-        rows[output, k] = weights[bias]
-    for number in range(0, num_inputs - 3, 4):
-        one, w = fixed(inputs + number), first + number
-        for k in range(lanes):
-            pair = weights[w] * rows[one, k] + weights[w + 1] * rows[one + 1, k]
-            other = weights[w + 2] * rows[one + 2, k] + weights[w + 3] * rows[one + 3, k]
-            rows[output, k] += pair + other
-    for number in range(num_inputs - num_inputs % 4, num_inputs):
-        one, w = fixed(inputs + number), first + number
-        for k in range(lanes):
-            rows[output, k] += weights[w] * rows[one, k]
+            inputs[number, k] = 0.0

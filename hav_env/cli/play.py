@@ -23,6 +23,10 @@ class Play:
     """Of the first episode; each new one takes the next."""
     others: str = "avoid_jack"
     """The policy that drives the others, by its name."""
+    vehicle: str = "on_axle"
+    """The kinematics of all HAVs, by name or module:Class."""
+    reward: str = "default"
+    """What HAVs are rewarded for, by name or module:Class."""
 
 
 class Controls(NamedTuple):
@@ -34,7 +38,10 @@ class Controls(NamedTuple):
 
 
 _HAVS = 4  # where neither a number nor a scenario is given
-STANDING = (-1.0, 0.0)  # speed from -1, none, to 1, the most; steering from -1, right, to 1, left
+STANDING = (
+    -1.0,
+    0.0,
+)  # speed from -1, none, to 1, the most; steering from -1, right, to 1, left
 
 
 def next_action(
@@ -149,7 +156,11 @@ def open_environment(options: Play) -> Any:
     from hav_env.simulator.batch import check_seed  # noqa: PLC0415
 
     check_seed(options.seed)
-    chosen: dict[str, Any] = {"num_havs": options.num_havs}
+    chosen: dict[str, Any] = {
+        "num_havs": options.num_havs,
+        "vehicle": options.vehicle,
+        "reward": options.reward,
+    }
     if options.scenario is not None:
         chosen["scenario"] = options.scenario
     elif options.num_havs is None:

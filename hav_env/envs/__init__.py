@@ -1,0 +1,1 @@
+"""Environments: faces of the decision process for PettingZoo, Gymnasium, Stable-Baselines3."""

@@ -5,18 +5,18 @@ from typing import Any, Unpack
 import gymnasium as gym
 import numpy as np
 
-from hav_env.envs.screen import RENDER_FPS, RENDER_MODES
+from hav_env.envs.screen import ENV_RENDER_MODES, RENDER_FPS
 from hav_env.envs.single_world import OfOneWorld, SingleWorld
 from hav_env.envs.views import EgoView, JointView, Team
 from hav_env.mdp.actions import read_action
-from hav_env.mdp.advance import TERMINATED, TRUNCATED, Outcome
+from hav_env.mdp.advance import Outcome
 from hav_env.mdp.decision_process import Settings
 
 
 class _WorldEnv(OfOneWorld, gym.Env):
     """What both environments share."""
 
-    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": ENV_RENDER_MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
 
     def __init__(self, world: SingleWorld, view: JointView | EgoView) -> None:
         self._world, self._view = world, view
@@ -40,10 +40,10 @@ class _WorldEnv(OfOneWorld, gym.Env):
         """
         plan = self._world.plan(seed, options, self.np_random)
         super().reset(seed=None if seed is None else int(seed))
-        told = self._world.begin(plan)
+        outcome = self._world.begin(plan)
         self._over = self._warned = False
         self._show()
-        return self._view.observations(told.observation)[0], self._info(told)
+        return self._view.observations(outcome.observation)[0], self._info(outcome)
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Take an action. After the end of an episode the world goes on, with one warning.
@@ -57,20 +57,20 @@ class _WorldEnv(OfOneWorld, gym.Env):
         if self._over and not self._warned:
             self._warned = True
             gym.logger.warn("the episode has ended: call reset before step", stacklevel=2)
-        told = self._world.step(actions.reshape(self._joint))
-        terminated, truncated = bool(told.ends[TERMINATED, 0]), bool(told.ends[TRUNCATED, 0])
+        outcome = self._world.step(actions.reshape(self._joint))
+        terminated, truncated = bool(outcome.terminated[0]), bool(outcome.truncated[0])
         self._over = terminated or truncated
         self._show()
         view = self._view
         return (
-            view.observations(told.observation)[0],
-            view.reward(told.numbers[-1, :, 0].tolist()),
+            view.observations(outcome.observation)[0],
+            view.reward(outcome.reward[:, 0].tolist()),
             terminated,
             truncated,
-            self._info(told),
+            self._info(outcome),
         )
 
-    def _info(self, told: Outcome) -> dict[str, Any]:
+    def _info(self, outcome: Outcome) -> dict[str, Any]:
         raise NotImplementedError
 
 
@@ -104,9 +104,8 @@ class HAVSwarmEnv(_WorldEnv):
         world = SingleWorld(render_mode, **settings)
         super().__init__(world, JointView(world.process, team_reward, flatten))
 
-    def _info(self, told: Outcome) -> dict[str, Any]:
-        # the last number, the reward, has no name
-        return dict(zip(self._world.process.info, told.numbers[..., 0], strict=False))
+    def _info(self, outcome: Outcome) -> dict[str, Any]:
+        return dict(zip(self._world.process.info, outcome.info[..., 0], strict=True))
 
 
 class HAVSingleEnv(_WorldEnv):
@@ -138,6 +137,5 @@ class HAVSingleEnv(_WorldEnv):
         world = SingleWorld(render_mode, 1, others, **settings)
         super().__init__(world, EgoView(world.process))
 
-    def _info(self, told: Outcome) -> dict[str, Any]:
-        # the last number, the reward, has no name
-        return dict(zip(self._world.process.info, told.numbers.ravel().tolist(), strict=False))
+    def _info(self, outcome: Outcome) -> dict[str, Any]:
+        return dict(zip(self._world.process.info, outcome.info.ravel().tolist(), strict=True))

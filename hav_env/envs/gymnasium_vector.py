@@ -12,7 +12,7 @@ from hav_env.envs.screen import RENDER_FPS, Screen
 from hav_env.envs.views import EgoView, JointView, Team
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.actions import read_action
-from hav_env.mdp.advance import TERMINATED, TRUNCATED
+from hav_env.mdp.advance import Outcome
 from hav_env.mdp.decision_process import DecisionProcess, Settings, warn_of_unknown
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Worlds
@@ -70,12 +70,12 @@ class _WorldsVectorEnv(VectorEnv):
         chosen, seeds = self._chosen(options), self._read_seeds(seed)
         super().reset(seed=int(seed) if isinstance(seed, numbers.Integral) else None)
         self._set_keys(seeds, chosen)
-        told = self._process.outcome()
+        outcome = self._process.outcome()
         self._begin(chosen)
         self._over = self._over & ~chosen
-        self._process.look(np.ones_like(chosen), told)
-        told.numbers[:, :, ~chosen] = 0.0
-        return self._view.observations(told.observation), self._info(told.numbers, chosen)
+        self._process.observe_worlds(np.ones_like(chosen), outcome)
+        outcome.info[:, :, ~chosen] = 0.0
+        return self._view.observations(outcome.observation), self._info(outcome.info, chosen)
 
     def step(
         self, actions: np.ndarray
@@ -93,21 +93,21 @@ class _WorldsVectorEnv(VectorEnv):
         if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
             ended = np.flatnonzero(self._over).tolist()
             raise RuntimeError(f"reset the worlds {ended} first: their episodes have ended")
-        told = self._process.step(actions.reshape(self.num_envs, -1, 2))
+        outcome = self._process.step(actions.reshape(self.num_envs, -1, 2))
         final: dict[str, Any] = {}
         if self.autoreset_mode == AutoresetMode.NEXT_STEP and self._over.any():
             self._begin_next(self._over)
-            self._process.look(self._over, told)
-        terminated, truncated = told.ends[TERMINATED].copy(), told.ends[TRUNCATED].copy()
-        rewards = np.array(self._view.rewards(told.numbers[-1]))
+            self._process.observe_worlds(self._over, outcome)
+        terminated, truncated = outcome.terminated.copy(), outcome.truncated.copy()
+        rewards = np.array(self._view.rewards(outcome.reward))
         self._over = terminated | truncated
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self._over.any():
-            final = self._final(told)
+            final = self._final(outcome)
             self._begin_next(self._over)
-            self._process.look(self._over, told)
+            self._process.observe_worlds(self._over, outcome)
         everywhere = np.ones(self.num_envs, np.bool_)
-        info = final | self._info(told.numbers, everywhere)
-        return self._view.observations(told.observation), rewards, terminated, truncated, info
+        info = final | self._info(outcome.info, everywhere)
+        return self._view.observations(outcome.observation), rewards, terminated, truncated, info
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -181,17 +181,17 @@ class _WorldsVectorEnv(VectorEnv):
 
     def _info(self, numbers: np.ndarray, chosen: np.ndarray) -> dict[str, Any]:
         """Return all numbers by name, with masks of the worlds that they are about."""
-        values = self._view.numbers(numbers[:-1])
+        values = self._view.numbers(numbers)
         info = dict(zip(self._process.info, values, strict=True))
         return info | dict.fromkeys(self._masks, chosen)
 
-    def _final(self, told: Any) -> dict[str, Any]:
+    def _final(self, outcome: Outcome) -> dict[str, Any]:
         """Return what was seen and reported at the end of the episodes that are over."""
         over = self._over.copy()  # the caller's, like all that is returned
         observations = np.full(self.num_envs, None, object)
         for w in np.flatnonzero(over):
-            observations[w] = self._view.observations(told.observation)[w].copy()
-        numbers = np.where(over, told.numbers, 0.0)
+            observations[w] = self._view.observations(outcome.observation)[w].copy()
+        numbers = np.where(over, outcome.info, 0.0)
         return {
             "final_obs": observations,
             "_final_obs": over,
@@ -218,7 +218,9 @@ class HAVSwarmVectorEnv(_WorldsVectorEnv):
             num_envs: W.
             autoreset_mode: when a world whose episode has ended begins the next one.
             render_mode: None, "rgb_array" or "ansi".
-            team_reward, flatten, settings: as for ``HAVSwarmEnv``.
+            team_reward: as for ``HAVSwarmEnv``.
+            flatten: as for ``HAVSwarmEnv``.
+            settings: as for ``HAVSwarmEnv``.
 
         Raises:
             ValueError, TypeError: naming the argument, its value and what is allowed.

@@ -10,11 +10,11 @@ from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
-from hav_env.envs.screen import RENDER_FPS, RENDER_MODES
+from hav_env.envs.screen import ENV_RENDER_MODES, RENDER_FPS
 from hav_env.envs.single_world import OfOneWorld, SingleWorld
 from hav_env.envs.views import action_box, observation_box
-from hav_env.mdp.actions import REAL, are_finite, check_mapping, read_action
-from hav_env.mdp.advance import TERMINATED, TRUNCATED, Outcome
+from hav_env.mdp.actions import REAL_KINDS, are_finite, check_mapping, read_action
+from hav_env.mdp.advance import Outcome
 from hav_env.mdp.central_state import CentralState
 from hav_env.mdp.decision_process import Settings
 from hav_env.models.annotations import show
@@ -34,7 +34,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
 
     metadata: ClassVar[dict[str, Any]] = {
         "name": "hav_swarm_v0",
-        "render_modes": RENDER_MODES,
+        "render_modes": ENV_RENDER_MODES,
         "render_fps": RENDER_FPS,
         "is_parallelizable": True,
     }
@@ -98,10 +98,10 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         plan = self._world.plan(seed, options, self.np_random)
         if seed is not None:
             self.np_random, _ = seeding.np_random(int(seed))
-        told = self._world.begin(plan)
+        outcome = self._world.begin(plan)
         self.agents = self.possible_agents.copy()
         self._show()
-        return dict(zip(self.agents, told.observation[0], strict=True)), self._infos(told)
+        return dict(zip(self.agents, outcome.observation[0], strict=True)), self._infos(outcome)
 
     def step(
         self, actions: dict[str, np.ndarray]
@@ -124,11 +124,11 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         check_mapping(actions)
         if not self.agents and not actions:
             return {}, {}, {}, {}, {}
-        told = self._world.step(self._gather(actions))
-        agents, infos = self.agents, self._infos(told)
-        observations = dict(zip(self.possible_agents, told.observation[0], strict=True))
-        rewards = dict(zip(self.possible_agents, told.numbers[-1, :, 0].tolist(), strict=True))
-        over, late = bool(told.ends[TERMINATED, 0]), bool(told.ends[TRUNCATED, 0])
+        outcome = self._world.step(self._gather(actions))
+        agents, infos = self.agents, self._infos(outcome)
+        observations = dict(zip(self.possible_agents, outcome.observation[0], strict=True))
+        rewards = dict(zip(self.possible_agents, outcome.reward[:, 0].tolist(), strict=True))
+        over, late = bool(outcome.terminated[0]), bool(outcome.truncated[0])
         terminations = dict.fromkeys(agents, over)
         if self._removes:
             num_goals = self._world.process.batch.scenario.num_goals
@@ -151,7 +151,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
             if agent not in self.agents:
                 known = ", ".join(self.agents) or "none"
                 raise ValueError(f"there is no agent {show(agent)} to act; agents: {known}")
-            plain = type(action) is np.ndarray and action.dtype.kind in REAL
+            plain = type(action) is np.ndarray and action.dtype.kind in REAL_KINDS
             if not (plain and action.shape == (2,)):
                 gathered[0, self._places[agent]] = _read_action(agent, action)
             else:
@@ -164,12 +164,11 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
                 _read_action(agent, action)
         return gathered
 
-    def _infos(self, told: Outcome) -> dict[str, dict[str, float]]:
+    def _infos(self, outcome: Outcome) -> dict[str, dict[str, float]]:
         names = self._world.process.info
-        rows = told.numbers[..., 0].T.tolist()
-        # the last number, the reward, has no name
+        rows = outcome.info[..., 0].T.tolist()
         return {
-            agent: dict(zip(names, row, strict=False))
+            agent: dict(zip(names, row, strict=True))
             for agent, row in zip(self.possible_agents, rows, strict=True)
         }
 

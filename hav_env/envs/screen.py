@@ -7,7 +7,7 @@ import numpy as np
 from hav_env.models.annotations import show
 from hav_env.simulator.batch import Batch
 
-RENDER_MODES = ["human", "rgb_array", "ansi"]
+ENV_RENDER_MODES = ["human", "rgb_array", "ansi"]
 RENDER_FPS = 30
 _DRAWN = ("human", "rgb_array")
 
@@ -16,7 +16,7 @@ class Screen:
     """Shows the worlds of a batch in one mode, with a viewer for each that is asked for."""
 
     def __init__(
-        self, render_mode: str | None, batch: Batch, modes: list[str] = RENDER_MODES
+        self, render_mode: str | None, batch: Batch, modes: list[str] = ENV_RENDER_MODES
     ) -> None:
         """Show nothing yet.
 

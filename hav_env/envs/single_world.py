@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hav_env.envs.limits import limits_of
 from hav_env.envs.screen import Screen
 from hav_env.maths.random_numbers import SEED_LIMIT, Seed
 from hav_env.mdp.advance import Outcome
@@ -18,7 +19,7 @@ from hav_env.simulator.transition import begin
 from hav_env.world.arrays import ARTICULATION, SPEED, STEERING
 
 _HERE = np.ones(1, np.bool_)
-_WRITTEN = ("lengths", "start", "goals")  # options that are written into a world
+_WRITABLE = ("lengths", "start", "goals")  # options that are written into a world
 
 
 class Plan(NamedTuple):
@@ -49,7 +50,9 @@ class SingleWorld:
 
         Args:
             render_mode: how the screen shows it.
-            controlled, others, arguments: as of ``DecisionProcess``.
+            controlled: as of ``DecisionProcess``.
+            others: as of ``DecisionProcess``.
+            **arguments: as of ``DecisionProcess``.
 
         Raises:
             ValueError, TypeError: naming the argument, its value and what is allowed.
@@ -76,7 +79,7 @@ class SingleWorld:
         if seed is not None:
             check_seed(seed)
         given = _read_options(options)
-        warn_of_unknown(given, ("episode", *_WRITTEN))
+        warn_of_unknown(given, ("episode", *_WRITABLE))
         if seed is not None:
             key = int(seed), 0
         else:
@@ -85,7 +88,7 @@ class SingleWorld:
             key = self._key[0], self._key[1] + 1
         if "episode" in given:
             key = key[0], _read_episode(given["episode"])
-        written = {name: given[name] for name in _WRITTEN if name in given}
+        written = {name: given[name] for name in _WRITABLE if name in given}
         return Plan(key, self._write(written, key) if written else None)
 
     def begin(self, plan: Plan) -> Outcome:
@@ -95,15 +98,15 @@ class SingleWorld:
             PlacementError: when the scenario has no room; the next reset takes the next number.
         """
         self._key = plan.key
-        told = self.process.outcome()
+        outcome = self.process.outcome()
         keys = np.array([plan.key], np.int64).T
         self.process.begin(keys[0], keys[1], _HERE)
         if plan.written is not None:
             batch = self.process.batch
             begin(plan.written, batch.task, batch.worlds, 0, *plan.key)
-        self.process.look(_HERE, told)
+        self.process.observe_worlds(_HERE, outcome)
         self.screen.forget(_HERE)
-        return told
+        return outcome
 
     def step(self, actions: np.ndarray) -> Outcome:
         """Take an action (1, C, 2), finite float64, contiguous.
@@ -140,7 +143,7 @@ class SingleWorld:
             speed_max=limit[SPEED],
             steering_max=limit[STEERING],
             articulation_max=limit[ARTICULATION],
-            footprint_truck_share=getattr(scenario, "fleet", scenario).footprint_truck_share,
+            footprint_truck_share=limits_of(scenario).footprint_truck_share,
         )
         for field, name in (("num_havs", "HAVs"), ("num_goals", "goals of each HAV")):
             if getattr(found, field) != getattr(scenario, field):

@@ -10,7 +10,7 @@ from hav_env.envs.screen import RENDER_FPS, Screen
 from hav_env.envs.views import action_box, observation_box
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.actions import read_action
-from hav_env.mdp.advance import TERMINATED, TRUNCATED
+from hav_env.mdp.advance import Outcome
 from hav_env.mdp.decision_process import DecisionProcess, Settings
 from hav_env.simulator.batch import check_seed
 
@@ -78,10 +78,10 @@ class HAVVecEnv(VecEnv):
             self._keys[0] = np.random.default_rng().integers(SEED_LIMIT, size=worlds)
         self._keyed = True
         self._reset_seeds()
-        told = self.process.outcome()
-        self._begin(np.ones(self.process.num_worlds, np.bool_), told)
+        outcome = self.process.outcome()
+        self._begin(np.ones(self.process.num_worlds, np.bool_), outcome)
         self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        return told.observation.reshape(self.num_envs, -1)
+        return outcome.observation.reshape(self.num_envs, -1)
 
     def step_async(self, actions: np.ndarray) -> None:
         """Take note of the actions (rows, 2)."""
@@ -90,29 +90,30 @@ class HAVVecEnv(VecEnv):
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Take the actions; return observations, rewards, ends and infos of all rows."""
-        told = self.process.step(self._actions)
-        rewards = told.numbers[-1].T.astype(np.float32).reshape(-1)
-        ended = told.ends[TERMINATED] | told.ends[TRUNCATED]
+        outcome = self.process.step(self._actions)
+        rewards = outcome.reward.T.astype(np.float32).reshape(-1)
+        ended = outcome.terminated | outcome.truncated
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if ended.any():
             for w in np.flatnonzero(ended).tolist():
-                self._sum_up(told, w, infos)
+                self._sum_up(outcome, w, infos)
             self._keys[1, ended] += 1
-            self._begin(ended, told)
+            self._begin(ended, outcome)
         dones = np.repeat(ended, self.process.num_havs)
-        return told.observation.reshape(self.num_envs, -1), rewards, dones, infos
+        return outcome.observation.reshape(self.num_envs, -1), rewards, dones, infos
 
-    def _sum_up(self, told: Any, w: int, infos: list[dict[str, Any]]) -> None:
+    def _sum_up(self, outcome: Outcome, w: int, infos: list[dict[str, Any]]) -> None:
         """Write what is to be said of the episode that ended in a world."""
-        rows = told.numbers[:-1, :, w].T.tolist()
-        for k, row in enumerate(rows, w * self.process.num_havs):
-            infos[k] = dict(zip(self.process.info, row, strict=True))
-            infos[k]["TimeLimit.truncated"] = bool(told.ends[TRUNCATED, w])
-            infos[k]["terminal_observation"] = told.observation[w, k % self.process.num_havs].copy()
+        rows = outcome.info[:, :, w].T.tolist()
+        for agent, row in enumerate(rows):
+            info: dict[str, Any] = dict(zip(self.process.info, row, strict=True))
+            info["TimeLimit.truncated"] = bool(outcome.truncated[w])
+            info["terminal_observation"] = outcome.observation[w, agent].copy()
+            infos[w * self.process.num_havs + agent] = info
 
-    def _begin(self, chosen: np.ndarray, told: Any) -> None:
+    def _begin(self, chosen: np.ndarray, outcome: Outcome) -> None:
         self.process.begin(self._keys[0], self._keys[1], chosen)
-        self.process.look(chosen, told)
+        self.process.observe_worlds(chosen, outcome)
         self.screen.forget(chosen)
 
     def arrays(self) -> dict[str, np.ndarray]:

@@ -9,14 +9,15 @@ from gymnasium import spaces
 
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.models.annotations import show
-from hav_env.observation import bounds_of
+from hav_env.observation import list_columns
 
 Team = Literal["mean", "sum", "min"]
 
 
 def observation_box(process: DecisionProcess, *shape: int) -> spaces.Box:
     """Return the space of observations (*shape, D)."""
-    low, high = np.array([bounds_of(name) for name in process.columns], np.float32).T
+    columns = list_columns(process.observation, process.batch.scenario.max_trailers)
+    low, high = np.array([(column.low, column.high) for column in columns], np.float32).T
     return spaces.Box(
         np.broadcast_to(low, (*shape, low.size)).copy(),
         np.broadcast_to(high, (*shape, low.size)).copy(),

@@ -9,6 +9,7 @@ from pettingzoo.utils.wrappers import BaseParallelWrapper
 
 from hav_env.envs.gymnasium_single import HAVSingleEnv, HAVSwarmEnv
 from hav_env.envs.hav_swarm_v0 import HAVSwarmParallelEnv
+from hav_env.envs.limits import limits_of
 from hav_env.mdp.actions import check_mapping, read_action
 
 
@@ -16,8 +17,7 @@ class _Units:
     """Turns m/s and rad into -1 to 1; all HAVs of a scenario have the same limits."""
 
     def __init__(self, env: HAVSwarmEnv | HAVSingleEnv | HAVSwarmParallelEnv) -> None:
-        scenario = env.scenario
-        limits = getattr(scenario, "fleet", scenario)
+        limits = limits_of(env.scenario)
         self.most = np.array([limits.speed_max, limits.steering_max])
 
     def box(self, shape: tuple[int, ...]) -> spaces.Box:

@@ -1,0 +1,1 @@
+"""The decision process: actions in; observations, rewards, ends and reports out."""

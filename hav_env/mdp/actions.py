@@ -8,8 +8,9 @@ import numpy as np
 
 from hav_env.models.annotations import show
 
-REAL = "fiu"  # kinds of NumPy's types that are numbers: no bool, no complex, no text, no object
-_FEW = 64  # numbers up to which a list is looked at in less time than an array
+# kinds of NumPy's types that are numbers: no bool, no complex, no text, no object
+REAL_KINDS = "fiu"
+_SHORT_LIST = 64  # numbers up to which a list is looked at in less time than an array
 
 
 def read_action(name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -25,7 +26,7 @@ def read_action(name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
         ValueError: when its shape is wrong or a number is not finite.
     """
     array = action if type(action) is np.ndarray else _array_of(name, action)
-    if array.dtype.kind not in REAL:
+    if array.dtype.kind not in REAL_KINDS:
         raise TypeError(f"{name} is {show(action)}, but must be real numbers")
     if array.shape != shape:
         raise ValueError(f"{name} has shape {array.shape}, but must have {shape}")
@@ -38,7 +39,7 @@ def read_action(name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
 
 def are_finite(actions: np.ndarray) -> bool:
     """Tell whether all numbers of an array are finite."""
-    if actions.size <= _FEW:
+    if actions.size <= _SHORT_LIST:
         return all(map(math.isfinite, actions.ravel().tolist()))
     return bool(np.isfinite(actions).all())
 

@@ -18,11 +18,10 @@ class Outcome(NamedTuple):
     """What an action led to; the first C of the N HAVs of a world are controlled."""
 
     observation: np.ndarray  # (W, C, D) float32
-    numbers: np.ndarray  # (K + 1, C, W) report, returns so far by term; last the reward
-    ends: np.ndarray  # (2, W) bool, rows TERMINATED, TRUNCATED
-
-
-TERMINATED, TRUNCATED = range(2)
+    info: np.ndarray  # (K, C, W) the report, then the returns so far by term of the reward
+    reward: np.ndarray  # (C, W)
+    terminated: np.ndarray  # (W,) bool
+    truncated: np.ndarray  # (W,) bool
 
 
 def outcome_size(controlled: int, columns: int, numbers: int) -> int:
@@ -30,7 +29,7 @@ def outcome_size(controlled: int, columns: int, numbers: int) -> int:
     return controlled * (2 * 4 * columns + 4 * 8 * numbers)
 
 
-class Between(NamedTuple):
+class Buffers(NamedTuple):
     """What is kept from action to action, and scratch."""
 
     command: np.ndarray  # (2, N, W) speed [m/s], steering [rad]
@@ -41,78 +40,97 @@ class Between(NamedTuple):
     columns: np.ndarray  # (ranges, D, APART) float32
 
 
-OPENING, STEPS, CLOSING = range(3)  # of an action: does it begin, for how many steps, does it end
+class Portion(NamedTuple):
+    """Some of the steps of an action; others than the controlled HAVs may decide in between."""
+
+    opens: bool
+    """The action begins with it."""
+    steps: int
+    """Of the simulator."""
+    closes: bool
+    """The action ends with it."""
 
 
 @kernel
-def _block_of_between(between, start, slot):
-    return Between(
-        lanes_from(between.command, start),
-        lanes_from(between.remaining, start),
-        lanes_from(between.before, start),
-        lanes_from(between.route, start),
-        lanes_from(between.returns, start),
-        between.columns[slot],
+def _buffers_from(buffers, start, slot):
+    """Return the buffers of the worlds from ``start`` on."""
+    return Buffers(
+        lanes_from(buffers.command, start),
+        lanes_from(buffers.remaining, start),
+        lanes_from(buffers.before, start),
+        lanes_from(buffers.route, start),
+        lanes_from(buffers.returns, start),
+        buffers.columns[slot],
     )
 
 
 @kernel
-def _block_of_outcome(outcome, start):
+def _outcome_from(outcome, start):
+    """Return the outcome of the worlds from ``start`` on."""
     return Outcome(
         outcome.observation[start:],
-        lanes_from(outcome.numbers, start),
-        lanes_from(outcome.ends, start),
+        lanes_from(outcome.info, start),
+        lanes_from(outcome.reward, start),
+        lanes_from(outcome.terminated, start),
+        lanes_from(outcome.truncated, start),
     )
 
 
 @entry
 def advance_worlds(
-    first, last, task, vehicle, reward, observation, worlds, between, actions, part, outcome
+    first, last, task, vehicle, reward, observation, worlds, buffers, actions, portion, outcome
 ):
-    """Take (a part of) one action in each of a range of worlds, and tell what it led to.
+    """Take (a part of) one action in each of a range of worlds, and write what it led to.
 
     Args:
-        first, last: the range.
-        task, vehicle, reward, observation: the models.
-        worlds, between, outcome: the arrays of all worlds.
+        first: world of the range.
+        last: the world after the range.
+        task: the rules.
+        vehicle: the kinematics.
+        reward: the weights.
+        observation: settled for the number of HAVs.
+        worlds: the arrays of all worlds.
+        buffers: of all worlds.
         actions: (W, C, 2) from -1 to 1, cut.
-        part: OPENING .. CLOSING; others than the controlled HAVs may decide between parts.
+        portion: a ``Portion``: which part of the action.
+        outcome: of all worlds; written where the action closes.
     """
-    duration = task.dt * part[STEPS]
+    duration = task.dt * portion.steps
     for start in range(first, last, OBSERVED_LANES):
-        block = block_of(worlds, start, min(OBSERVED_LANES, last - start), worlds.units)
-        own = _block_of_between(between, start, first // VECTOR)
-        told = _block_of_outcome(outcome, start)
+        world = block_of(worlds, start, min(OBSERVED_LANES, last - start), worlds.units)
+        block, result = (
+            _buffers_from(buffers, start, first // VECTOR),
+            _outcome_from(outcome, start),
+        )
         for agent in range(actions.shape[1]):
-            _command(block, own, agent, actions[start:])
-            if part[OPENING]:
-                note_before(block, agent, own.remaining, own.before)
-        if part[OPENING]:
-            remove_arrived(task, block)
-        for _ in range(part[STEPS]):
-            step(task, vehicle, block, own.command[0], own.command[1])
-        if part[CLOSING]:
+            _command(world, block, agent, actions[start:])
+            if portion.opens:
+                note_before(world, agent, block.remaining, block.before)
+        if portion.opens:
+            remove_arrived(task, world)
+        for _ in range(portion.steps):
+            step(task, vehicle, world, block.command[0], block.command[1])
+        if portion.closes:
             for agent in range(actions.shape[1]):
-                plan_route(block, agent, own.route, own.remaining)
-                _reward(reward, duration, block, agent, own, told)
-                _tell(observation, block, agent, own, told)
-            for lane in range(block.lanes):
-                over = terminated(task, block, actions.shape[1], lane)
-                told.ends[TERMINATED, lane] = over
-                told.ends[TRUNCATED, lane] = late(task, block, lane) and not over
+                plan_route(world, agent, block.route, block.remaining)
+                _reward(reward, duration, world, agent, block, result)
+                _write_outcome(observation, world, agent, block, result)
+            for lane in range(world.lanes):
+                over = terminated(task, world, actions.shape[1], lane)
+                result.terminated[lane] = over
+                result.truncated[lane] = late(task, world, lane) and not over
 
 
 @entry
-def look_at_worlds(first, last, observation, worlds, between, chosen, outcome):
-    """Tell what is seen in those of a range of worlds where ``chosen`` (W,) is true."""
+def observe_worlds(first, last, observation, worlds, buffers, chosen, outcome):
+    """Write what is seen in those of a range of worlds where ``chosen`` (W,) is true."""
     for w in range(first, last):
         if chosen[w]:
-            alone = block_of(worlds, w, 1, worlds.units)
-            own = _block_of_between(between, w, first // VECTOR)
-            told = _block_of_outcome(outcome, w)
-            for agent in range(outcome.numbers.shape[1]):
-                plan_route(alone, agent, own.route, own.remaining)
-                _tell(observation, alone, agent, own, told)
+            world = block_of(worlds, w, 1, worlds.units)
+            block, result = _buffers_from(buffers, w, first // VECTOR), _outcome_from(outcome, w)
+            for agent in range(outcome.info.shape[1]):
+                plan_route(world, agent, block.route, block.remaining)
+                _write_outcome(observation, world, agent, block, result)
 
 
 @kernel
@@ -126,38 +144,38 @@ def to_command(faster, turned, speed_max, steering_max):
 
 
 @kernel
-def _command(world, own, agent, actions):
+def _command(world, block, agent, actions):
     """Turn actions into speed and steering."""
     for lane in range(world.lanes):
         speed_max, steering_max, _ = limits(world, agent, lane)
-        own.command[0, agent, lane], own.command[1, agent, lane] = to_command(
+        block.command[0, agent, lane], block.command[1, agent, lane] = to_command(
             actions[lane, agent, 0], actions[lane, agent, 1], speed_max, steering_max
         )
 
 
 @kernel
-def _reward(reward, duration, world, agent, own, told):
+def _reward(reward, duration, world, agent, block, outcome):
     """Work out the weighted sum of the terms, and what each has come to since the beginning."""
-    terms, total = told.numbers[len(REPORT) :], told.numbers[-1]
-    reward_terms(reward, duration, world, agent, own.before, own.remaining, terms)
+    terms, total = outcome.info[len(REPORT) :], outcome.reward
+    reward_terms(reward, duration, world, agent, block.before, block.remaining, terms)
     for lane in range(world.lanes):
         total[agent, lane] = 0.0
     for t in range(len(reward)):
         for lane in range(world.lanes):
-            acts = own.before[agent, WAITED, lane] == 0.0
+            acts = block.before[agent, WAITED, lane] == 0.0
             value = reward[t] * terms[t, agent, lane] if acts else 0.0
-            own.returns[t, agent, lane] += value
-            terms[t, agent, lane] = own.returns[t, agent, lane]
+            block.returns[t, agent, lane] += value
+            terms[t, agent, lane] = block.returns[t, agent, lane]
             total[agent, lane] += value
 
 
 @kernel
-def _tell(observation, world, agent, own, told):
+def _write_outcome(observation, world, agent, block, outcome):
     """Write the report and the observation."""
-    write_report(world, agent, own.remaining, told.numbers)
+    write_report(world, agent, block.remaining, outcome.info)
     # with this said, the compiler knows how far the rows lie apart, and uses vectors
-    if own.columns.shape[1] == APART:
-        observe(observation, world, agent, own.route, own.columns)
+    if block.columns.shape[1] == APART:
+        observe(observation, world, agent, block.route, block.columns)
     for lane in range(world.lanes):
-        for column in range(own.columns.shape[0]):
-            told.observation[lane, agent, column] = own.columns[column, lane]
+        for column in range(block.columns.shape[0]):
+            outcome.observation[lane, agent, column] = block.columns[column, lane]

@@ -3,7 +3,7 @@
 import numpy as np
 from gymnasium import spaces
 
-from hav_env.observation.layout import LENGTH_UNIT, MOST_UNITS
+from hav_env.observation.columns import LENGTH_CUT, LENGTH_UNIT
 from hav_env.simulator.batch import Batch
 from hav_env.world.arrays import COSINE, PHASE, SINE, STEP, X, Y, is_removed
 
@@ -74,5 +74,5 @@ def _bounds_of(name: str) -> tuple[float, float]:
     if name.endswith(("_x", "_y")):
         return -MOST_POSITIONS, MOST_POSITIONS
     if "length" in name:
-        return 0.0, MOST_UNITS
+        return 0.0, LENGTH_CUT
     return (-1.0 if "cosine" in name or "sine" in name else 0.0), 1.0

@@ -9,10 +9,17 @@ from typing import Any, TypedDict
 import numpy as np
 
 from hav_env.compiled import VECTOR, canonical, default_threads, share_out
-from hav_env.mdp.advance import Between, Outcome, advance_worlds, look_at_worlds, outcome_size
+from hav_env.mdp.advance import (
+    Buffers,
+    Outcome,
+    Portion,
+    advance_worlds,
+    observe_worlds,
+    outcome_size,
+)
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.info import REPORT
-from hav_env.mdp.reward import BEFORE_SIZE, Reward, check_reward
+from hav_env.mdp.reward import BEFORE_SIZE, REWARDS, Reward, check_reward
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped
@@ -26,11 +33,11 @@ from hav_env.observation import (
 from hav_env.policies.driver import PolicyDriver
 from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.batch import Batch, begin_worlds, check_placed
-from hav_env.vehicles import OnAxle
+from hav_env.vehicles import VEHICLES, OnAxle
 from hav_env.world.lanes import APART
 from hav_env.world.task import Task, set_rules
 
-_FEWEST = 1_024  # HAVs for which it is worth to wake a thread
+_HAVS_PER_THREAD = 1_024  # HAVs for which it is worth to wake a thread
 
 
 class Settings(TypedDict, total=False):
@@ -78,9 +85,12 @@ class DecisionProcess:
             num_worlds: W.
             controlled: C, all HAVs by default.
             others: the policy that drives the other HAVs, or its name; without one they stand.
-            scenario: its name or a model; num_havs: N, if it is to be another than the scenario's.
-            task, vehicle: the rules and the kinematics.
-            observation, reward: what learners see, and what they get.
+            scenario: a model, or its name, its file or ``module:Class``.
+            num_havs: N, if it is to be another than the scenario's.
+            task: the rules.
+            vehicle: the kinematics: a model, or its name or ``module:Class``.
+            observation: what learners see.
+            reward: what learners get: a model, or its name or ``module:Class``.
             frame_skip: for how many steps of the simulator an action is held.
             threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
             rules: rules of the task that are to be others: ``max_steps``, ``on_goal``, ...
@@ -90,6 +100,8 @@ class DecisionProcess:
         """
         scenario = scenario_of(scenario, num_havs)
         check_observation(observation)
+        reward = REWARDS.make(reward) if isinstance(reward, str) else reward
+        vehicle = VEHICLES.make(vehicle) if isinstance(vehicle, str) else vehicle
         check_reward(reward)
         check_value("frame_skip", Skipped, frame_skip)
         self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
@@ -100,13 +112,13 @@ class DecisionProcess:
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
         self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
-        told = outcome_size(c, len(self.columns), len(self.info))
-        check_memory("num_worlds", w, (self.batch.bytes_per_world + told) * w)
+        size = outcome_size(c, len(self.columns), len(self.info))
+        check_memory("num_worlds", w, (self.batch.bytes_per_world + size) * w)
         driver = None if others is None else PolicyDriver(others, self.batch, c)
         self._driver = driver if c < n else None  # nobody is left to be driven
         self._reward = canonical(reward)
         ranges = -(-w // VECTOR)
-        self._between = Between(
+        self._buffers = Buffers(
             np.zeros((2, n, w)),
             np.zeros((c, w)),
             np.zeros((c, BEFORE_SIZE, w)),
@@ -114,21 +126,23 @@ class DecisionProcess:
             np.zeros((len(reward), c, w)),
             np.zeros((ranges, len(self.columns), APART), np.float32),
         )
-        self._advance: Any = None
+        self._compiled: Any = None
         self._recycler = Recycler(
             [
                 ((w, c, len(self.columns)), np.float32),
-                ((len(self.info) + 1, c, w), np.float64),
-                ((2, w), np.bool_),
+                ((len(self.info), c, w), np.float64),
+                ((c, w), np.float64),
+                ((w,), np.bool_),
+                ((w,), np.bool_),
             ]
         )
         self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
         self._all_begun = False
-        self._threads = min(threads or default_threads(), max(1, c * w // _FEWEST))
+        self._threads = min(threads or default_threads(), max(1, c * w // _HAVS_PER_THREAD))
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what is compiled: a copy asks for it again."""
-        return self.__dict__ | {"_advance": None}
+        return self.__dict__ | {"_compiled": None}
 
     def set_reward(self, reward: Any) -> None:
         """Change the weights of the reward from the next action on.
@@ -146,7 +160,8 @@ class DecisionProcess:
         """Begin episodes in the worlds that are chosen.
 
         Args:
-            seeds, episodes: (W,) int64; those of the chosen worlds count.
+            seeds: (W,) int64; those of the chosen worlds count.
+            episodes: (W,) int64, their numbers; likewise.
             chosen: (W,) bool.
 
         Raises:
@@ -154,7 +169,7 @@ class DecisionProcess:
         """
         self._begun &= ~chosen
         self._all_begun = False
-        self._between.returns[..., chosen] = 0.0
+        self._buffers.returns[..., chosen] = 0.0
         if self._driver is not None:
             self._driver.forget(chosen)
         placed = ~chosen
@@ -186,23 +201,23 @@ class DecisionProcess:
             f" for it could not begin, the first of them world {missing[0]}"
         )
 
-    def look(self, chosen: np.ndarray, told: Outcome) -> None:
-        """Tell what is seen in the worlds (W,) that are chosen, whose episodes have just begun.
+    def observe_worlds(self, chosen: np.ndarray, outcome: Outcome) -> None:
+        """Write what is seen in the worlds (W,) that are chosen, whose episodes have just begun.
 
         Rewards are zero, and nothing has ended.
         """
-        look_at_worlds(
+        observe_worlds(
             self.num_worlds,
             self.observation,
             self.batch.worlds,
-            self._between,
+            self._buffers,
             chosen,
-            told,
+            outcome,
             threads=self._threads,
         )
-        told.numbers[len(REPORT) : -1, :, chosen] = self._between.returns[..., chosen]
-        told.numbers[-1, :, chosen] = 0.0
-        told.ends[:, chosen] = False
+        outcome.info[len(REPORT) :, :, chosen] = self._buffers.returns[..., chosen]
+        outcome.reward[:, chosen] = 0.0
+        outcome.terminated[chosen] = outcome.truncated[chosen] = False
 
     def step(self, actions: np.ndarray) -> Outcome:
         """Take one action in every world.
@@ -214,26 +229,26 @@ class DecisionProcess:
             RuntimeError: when a world has no episode.
         """
         self.require_episodes("step")
-        told = self.outcome()
+        outcome, last = self.outcome(), self.frame_skip - 1
         if self._driver is None:
-            self._take(actions, (1, self.frame_skip, 1), told)
-            return told
+            self._advance(actions, Portion(True, self.frame_skip, True), outcome)
+            return outcome
         for k in range(self.frame_skip):
-            self._between.command[:] = self._driver.decide()
-            self._take(actions, (int(k == 0), 1, int(k == self.frame_skip - 1)), told)
-        return told
+            self._buffers.command[:] = self._driver.decide()
+            self._advance(actions, Portion(k == 0, 1, k == last), outcome)
+        return outcome
 
-    def _take(self, actions: np.ndarray, part: tuple[int, int, int], told: Outcome) -> None:
+    def _advance(self, actions: np.ndarray, portion: Portion, outcome: Outcome) -> None:
         batch = self.batch
         models = batch.task, batch.vehicle, self._reward, self.observation
-        args = *models, batch.worlds, self._between, actions, part, told
-        if self._advance is None:
-            self._advance = advance_worlds.prepare(*args)
-        share_out(self._advance, self.num_worlds, args, self._threads)
+        args = *models, batch.worlds, self._buffers, actions, portion, outcome
+        if self._compiled is None:
+            self._compiled = advance_worlds.prepare(*args)
+        share_out(self._compiled, self.num_worlds, args, self._threads)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return the arrays of the worlds and of what is kept from action to action, by name."""
-        return _name_arrays({"worlds": self.batch.worlds, "between": self._between})
+        return _name_arrays({"worlds": self.batch.worlds, "buffers": self._buffers})
 
     def outcome(self) -> Outcome:
         """Return arrays for an outcome; what is in them means nothing yet.
@@ -250,8 +265,8 @@ def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
         if isinstance(part, np.ndarray):
             found[name] = part
         elif hasattr(part, "_asdict"):
-            own = _name_arrays(part._asdict())
-            found |= {f"{name}.{field}": array for field, array in own.items()}
+            inner = _name_arrays(part._asdict())
+            found |= {f"{name}.{field}": array for field, array in inner.items()}
     return found
 
 

@@ -4,13 +4,15 @@ A reward is a NamedTuple of weights whose type selects the kernel that works out
 field ``progress`` is the weight of the term of that name. A HAV that waits gets nothing.
 """
 
-from typing import NamedTuple
+import functools
+from typing import Any, NamedTuple
 
 from hav_env.compiled import fixed, generic, kernel
 from hav_env.maths.geometry import clip
 from hav_env.models.checks import check_model
 from hav_env.models.names import Registry
 from hav_env.models.quantities import Weight
+from hav_env.observation.columns import place_names
 from hav_env.world.arrays import (
     ACTUAL,
     ARTICULATION,
@@ -57,9 +59,8 @@ class Reward(NamedTuple):
     """For each second."""
 
 
-PROGRESS, GOAL, JACKKNIFE_TERM, ACTUAL_TERM, POTENTIAL_TERM, PROXIMITY_TERM = range(6)
-ARTICULATION_TERM, STEERING_TERM, TIME = range(6, 9)
-_NEAR = 5.0  # [m], what is near
+_TERM = place_names(Reward._fields)
+_PROXIMITY_RANGE = 5.0  # [m], what is near
 
 
 @generic
@@ -69,7 +70,8 @@ def reward_terms(reward, duration, world, agent, before, remaining, terms):
     Args:
         reward: the weights; their type selects the kernel, which writes the terms without them.
         duration: of the action [s].
-        world, agent: the world after the action; which HAV.
+        world: the block after the action.
+        agent: which HAV.
         before: (N, BEFORE_SIZE, W) columns WAITED .. COLLIDED, from before the action.
         remaining: (N, W) Dubins length to the goal under way [m], after the action.
         terms: (T, N, W) to be written, in the order of the fields. What is written for a HAV that
@@ -77,7 +79,21 @@ def reward_terms(reward, duration, world, agent, before, remaining, terms):
     """
 
 
-def check_reward(reward) -> None:
+@functools.singledispatch
+def harm_terms(reward: Any) -> tuple[str, ...]:
+    """Return the names of the terms that stand for harm: a curriculum may let them weigh less.
+
+    A reward of your own registers a function of its type that names them; without one, none do.
+    """
+    return ()
+
+
+@harm_terms.register
+def _(reward: Reward) -> tuple[str, ...]:
+    return "jackknife", "actual_collision", "potential_collision", "proximity", "articulation"
+
+
+def check_reward(reward: Any) -> None:
     """Check the weights.
 
     Raises:
@@ -120,37 +136,37 @@ def default_terms(reward, duration, world, agent, before, remaining, terms):
         hits = goals_hit(world, agent, lane) - before[agent, HITS, lane]
         # a goal that is hit has been reached; the path that is left leads to the next one
         left = 0.0 if hits > 0.0 else remaining[agent, lane]
-        terms[GOAL, agent, lane] = hits
-        terms[PROGRESS, agent, lane] = before[agent, REMAINING, lane] - left
+        terms[_TERM.goal, agent, lane] = hits
+        terms[_TERM.progress, agent, lane] = before[agent, REMAINING, lane] - left
     for lane in range(world.lanes):
         jackknifed = 1.0 if first[agent, JACKKNIFE, WHEN, lane] != NEVER else 0.0
         collided = 1.0 if first[agent, ACTUAL, WHEN, lane] != NEVER else 0.0
-        terms[JACKKNIFE_TERM, agent, lane] = jackknifed - before[agent, JACKKNIFED, lane]
-        terms[ACTUAL_TERM, agent, lane] = collided - before[agent, COLLIDED, lane]
+        terms[_TERM.jackknife, agent, lane] = jackknifed - before[agent, JACKKNIFED, lane]
+        terms[_TERM.actual_collision, agent, lane] = collided - before[agent, COLLIDED, lane]
     for lane in range(world.lanes):
         effort = state.steering[agent, lane] / limit[agent, STEERING, lane]
-        terms[STEERING_TERM, agent, lane] = duration * effort * effort
-        terms[TIME, agent, lane] = duration
-        terms[ARTICULATION_TERM, agent, lane] = 0.0
+        terms[_TERM.steering, agent, lane] = duration * effort * effort
+        terms[_TERM.time, agent, lane] = duration
+        terms[_TERM.articulation, agent, lane] = 0.0
     for number in range(1, world.units):
         unit = fixed(number)
         for lane in range(world.lanes):
             bend = abs(state.heading[agent, unit, lane] - state.heading[agent, unit - 1, lane])
             bend = bend if unit <= world.fleet.num_trailers[agent, lane] else 0.0
             share = clip(2.0 * bend / limit[agent, ARTICULATION, lane] - 1.0, 0.0, 1.0)
-            term = terms[ARTICULATION_TERM, agent, lane]
-            terms[ARTICULATION_TERM, agent, lane] = max(term, duration * share * share)
+            term = terms[_TERM.articulation, agent, lane]
+            terms[_TERM.articulation, agent, lane] = max(term, duration * share * share)
     for lane in range(world.lanes):
-        terms[POTENTIAL_TERM, agent, lane] = 0.0
+        terms[_TERM.potential_collision, agent, lane] = 0.0
     if state.x.shape[0] > 1:
         for lane in range(world.lanes):
-            terms[POTENTIAL_TERM, agent, lane] = duration * _deepest(world, agent, lane)
+            terms[_TERM.potential_collision, agent, lane] = duration * _deepest(world, agent, lane)
     for lane in range(world.lanes):
-        terms[PROXIMITY_TERM, agent, lane] = 0.0
+        terms[_TERM.proximity, agent, lane] = 0.0
     if state.x.shape[0] > 1 and reward.proximity != 0.0:
         for lane in range(world.lanes):
             nearness = _nearness(world, agent, lane)
-            terms[PROXIMITY_TERM, agent, lane] = duration * nearness * nearness
+            terms[_TERM.proximity, agent, lane] = duration * nearness * nearness
 
 
 @kernel
@@ -172,5 +188,5 @@ def _nearness(world, agent, lane):
     for k in range(world.nearby.count[agent, lane]):
         other = world.nearby.index[agent, k, lane]
         gap = front_gap(world, agent, other, lane)
-        nearness = max(nearness, 1.0 - gap / _NEAR)
+        nearness = max(nearness, 1.0 - gap / _PROXIMITY_RANGE)
     return nearness

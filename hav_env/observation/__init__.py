@@ -1,14 +1,18 @@
 """Sensing written as one flat row of named columns: what a learner sees of its HAV.
 
 Everything is in the HAV's own frame and in [-1, 1], lengths of units apart, which are in [0, 10].
-docs/environments.md has the table of the columns.
+docs/environments.md has the table of the columns, and says how to add one.
 """
 
 from hav_env.compiled import kernel
+from hav_env.observation.columns import Column
 from hav_env.observation.layout import (
+    FIRST_OF_ROUTE,
+    FIRST_OF_UNITS,
     Observation,
-    bounds_of,
     check_observation,
+    first_of_neighbors,
+    list_columns,
     name_columns,
     settle,
 )
@@ -28,9 +32,10 @@ __all__ = [
     "ROUTE_SIZE",
     "TO_APPROACH",
     "TO_GOAL",
+    "Column",
     "Observation",
-    "bounds_of",
     "check_observation",
+    "list_columns",
     "name_columns",
     "observe",
     "plan_route",
@@ -44,11 +49,13 @@ def observe(observation, world, agent, route, columns):
 
     Args:
         observation: settled for the number of HAVs.
-        world, agent: a block; which HAV.
+        world: a block.
+        agent: which HAV.
         route: (N, ROUTE_SIZE, W) as ``plan_route`` left it.
-        columns: (D, W) to be written, in the order of ``name_columns``.
+        columns: (D, W) to be written, in the order of ``list_columns``.
     """
-    observe_route(world, agent, route, columns)
-    observe_itself(world, agent, columns)
+    observe_route(world, agent, route, columns, FIRST_OF_ROUTE)
+    observe_itself(world, agent, columns, FIRST_OF_UNITS)
     if observation.neighbors > 0:
-        observe_neighbors(observation, world, agent, columns)
+        first = first_of_neighbors(world.state.heading.shape[1] - 1)
+        observe_neighbors(observation, world, agent, columns, first)

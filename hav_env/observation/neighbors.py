@@ -1,28 +1,23 @@
-"""What a HAV sees of its nearest neighbours."""
+"""The columns of the nearest neighbours of a HAV."""
 
 import math
 
 from hav_env.compiled import fixed, kernel
 from hav_env.maths.geometry import clip
-from hav_env.observation.layout import (
-    CHAIN,
-    CLEARANCE,
-    FRONTS,
-    NEAR,
-    NEAREST,
-    OTHER_FOOTPRINT,
-    PLACE,
-    PRESENT,
-    RELATIVE_HEADING,
+from hav_env.observation.columns import (
     SPEED_UNIT,
-    TINY,
-    TRUCK,
-    UNITS,
+    TINY_DISTANCE,
+    Column,
+    direction_columns,
+    length_column,
+    place_columns,
+    places_of,
     scale_distance,
     scale_length,
     write_direction,
     write_place,
 )
+from hav_env.observation.own import JOINT, joint_columns
 from hav_env.world.sensing import (
     neighbor_articulation,
     neighbor_before_front,
@@ -39,18 +34,56 @@ from hav_env.world.sensing import (
     own_footprint,
 )
 
+NEIGHBOR = (
+    Column("present"),
+    *place_columns(""),
+    *direction_columns("heading"),
+    Column("footprint_radius"),
+    Column("clearance", low=-1.0),
+    length_column("truck_length"),
+    *place_columns("chain_"),
+)
+CHAINS = (length_column("length"), *JOINT)  # of each trailer
+FRONTS = (
+    Column("speed"),
+    Column("front_nearness"),
+    Column("front_ahead", low=-1.0),
+    Column("front_aside", low=-1.0),
+    Column("exposed_nearness"),
+)
+_AT, _CHAIN_AT, _FRONT_AT = places_of(NEIGHBOR), places_of(CHAINS), places_of(FRONTS)
+_FRONT_RANGE = 10.0  # [m], what is near the front of a truck
+
+
+def neighbor_columns(chains: bool, fronts: bool, max_trailers: int) -> list[Column]:
+    """Return the columns of one neighbour.
+
+    Args:
+        chains: whether its trailers are seen.
+        fronts: whether its speed is seen, and what is near the fronts of trucks.
+        max_trailers: of any HAV.
+    """
+    chain = joint_columns(CHAINS, max_trailers) if chains else []
+    return [*NEIGHBOR, *chain, *(FRONTS if fronts else ())]
+
 
 @kernel
-def observe_neighbors(observation, world, agent, columns):
+def observe_neighbors(observation, world, agent, columns, first):
     """Write the columns of the K nearest neighbours, nearest first; zeros where there are fewer.
 
     Who they are differs from lane to lane, so one lane after the other is looked at; what takes
     roots and logarithms is then worked out for all lanes at once.
+
+    Args:
+        observation: settled for the number of HAVs.
+        world: a block.
+        agent: which HAV.
+        columns: (D, W) to be written.
+        first: the first column of the neighbours.
     """
     joints = world.state.heading.shape[1] - 1
-    fronts = CHAIN + (3 * joints if observation.chains else 0)
-    size = fronts + (len(FRONTS) if observation.fronts else 0)
-    first = UNITS + 1 + 3 * joints
+    fronts = len(_AT) + (len(_CHAIN_AT) * joints if observation.chains else 0)
+    size = fronts + (len(_FRONT_AT) if observation.fronts else 0)
     for number in range(first, first + size * observation.neighbors):
         column = fixed(number)
         for lane in range(world.lanes):
@@ -62,7 +95,7 @@ def observe_neighbors(observation, world, agent, columns):
             column = first + size * rank
             _look_at_neighbor(world, agent, nearest, least, columns, column, lane)
             if observation.chains:
-                _observe_chain(world, agent, nearest, columns, column + CHAIN, lane)
+                _observe_chain(world, agent, nearest, columns, column + len(_AT), lane)
             if observation.fronts:
                 _observe_fronts(world, agent, nearest, columns, column + fronts, lane)
     for rank in range(observation.neighbors):
@@ -96,57 +129,65 @@ def _next_nearest(world, agent, lane, before, least):
 @kernel
 def _look_at_neighbor(world, agent, k, gap, columns, column, lane):
     """Write a neighbour's columns in metres: places as forward and left, distances as they are."""
-    columns[column + PRESENT, lane] = 1.0
+    columns[column + _AT.present, lane] = 1.0
     forward, left = neighbor_position(world, agent, k, lane)
-    columns[column + PLACE + 1, lane], columns[column + PLACE + 2, lane] = forward, left
+    columns[column + _AT.bearing_cosine, lane] = forward
+    columns[column + _AT.bearing_sine, lane] = left
     cosine, sine = neighbor_heading_direction(world, agent, k, lane)
-    write_direction(columns, column + RELATIVE_HEADING, lane, cosine, sine)
-    columns[column + OTHER_FOOTPRINT, lane] = neighbor_footprint(world, agent, k, lane)
-    columns[column + CLEARANCE, lane] = gap
-    columns[column + TRUCK, lane] = neighbor_length(world, agent, k, 0, lane)
+    write_direction(columns, column + _AT.heading_cosine, lane, cosine, sine)
+    columns[column + _AT.footprint_radius, lane] = neighbor_footprint(world, agent, k, lane)
+    columns[column + _AT.clearance, lane] = gap
+    columns[column + _AT.truck_length, lane] = neighbor_length(world, agent, k, 0, lane)
     forward, left = neighbor_nearest_point(world, agent, k, lane)
-    columns[column + NEAREST + 1, lane], columns[column + NEAREST + 2, lane] = forward, left
+    columns[column + _AT.chain_bearing_cosine, lane] = forward
+    columns[column + _AT.chain_bearing_sine, lane] = left
 
 
 @kernel
 def _scale_neighbor(world, columns, column):
     """Turn metres into what a row holds; zeros stay zeros."""
     for lane in range(world.lanes):
-        forward, left = columns[column + PLACE + 1, lane], columns[column + PLACE + 2, lane]
-        write_place(columns, column + PLACE, lane, forward, left)
+        forward = columns[column + _AT.bearing_cosine, lane]
+        left = columns[column + _AT.bearing_sine, lane]
+        write_place(columns, column + _AT.distance, lane, forward, left)
     for lane in range(world.lanes):
-        forward, left = columns[column + NEAREST + 1, lane], columns[column + NEAREST + 2, lane]
-        write_place(columns, column + NEAREST, lane, forward, left)
+        forward = columns[column + _AT.chain_bearing_cosine, lane]
+        left = columns[column + _AT.chain_bearing_sine, lane]
+        write_place(columns, column + _AT.chain_distance, lane, forward, left)
     for lane in range(world.lanes):
-        gap = columns[column + CLEARANCE, lane]
+        gap = columns[column + _AT.clearance, lane]
         scaled = scale_distance(abs(gap))
-        columns[column + CLEARANCE, lane] = -scaled if gap < 0.0 else scaled
-        footprint = columns[column + OTHER_FOOTPRINT, lane]
-        columns[column + OTHER_FOOTPRINT, lane] = scale_distance(footprint)
-        columns[column + TRUCK, lane] = scale_length(columns[column + TRUCK, lane])
+        columns[column + _AT.clearance, lane] = -scaled if gap < 0.0 else scaled
+        footprint = columns[column + _AT.footprint_radius, lane]
+        columns[column + _AT.footprint_radius, lane] = scale_distance(footprint)
+        truck = columns[column + _AT.truck_length, lane]
+        columns[column + _AT.truck_length, lane] = scale_length(truck)
 
 
 @kernel
 def _observe_chain(world, agent, k, columns, column, lane):
+    """Write the columns of a neighbour's trailers."""
     joints = world.state.heading.shape[1] - 1
     for joint in range(1, neighbor_trailers(world, agent, k, lane) + 1):
-        place = column + joint - 1
+        first = column + joint - 1
+        length = neighbor_length(world, agent, k, joint, lane)
         cosine, sine = neighbor_articulation(world, agent, k, joint, lane)
-        columns[place, lane] = scale_length(neighbor_length(world, agent, k, joint, lane))
-        columns[place + joints, lane] = clip(cosine, -1.0, 1.0)
-        columns[place + 2 * joints, lane] = clip(sine, -1.0, 1.0)
+        columns[first + _CHAIN_AT.length * joints, lane] = scale_length(length)
+        columns[first + _CHAIN_AT.articulation_cosine * joints, lane] = clip(cosine, -1.0, 1.0)
+        columns[first + _CHAIN_AT.articulation_sine * joints, lane] = clip(sine, -1.0, 1.0)
 
 
 @kernel
 def _observe_fronts(world, agent, k, columns, column, lane):
     """Write speed and nearness: 0 from 10 m on, 1 where they touch; with it, in which direction."""
-    columns[column, lane] = min(neighbor_speed(world, agent, k, lane) * (1.0 / SPEED_UNIT), 1.0)
+    speed = neighbor_speed(world, agent, k, lane)
+    columns[column + _FRONT_AT.speed, lane] = min(speed * (1.0 / SPEED_UNIT), 1.0)
     forward, left = neighbor_before_front(world, agent, k, lane)
     distance = math.sqrt(forward * forward + left * left)
-    nearness = max(0.0, 1.0 - distance * (1.0 / NEAR))
-    share = nearness / max(distance, TINY)
-    columns[column + 1, lane] = nearness
-    columns[column + 2, lane] = share * forward
-    columns[column + 3, lane] = share * left
-    exposed = neighbor_front_gap(world, agent, k, lane)
-    columns[column + 4, lane] = max(0.0, 1.0 - exposed * (1.0 / NEAR))
+    nearness = max(0.0, 1.0 - distance * (1.0 / _FRONT_RANGE))
+    share = nearness / max(distance, TINY_DISTANCE)
+    columns[column + _FRONT_AT.front_nearness, lane] = nearness
+    columns[column + _FRONT_AT.front_ahead, lane] = share * forward
+    columns[column + _FRONT_AT.front_aside, lane] = share * left
+    exposed = max(0.0, 1.0 - neighbor_front_gap(world, agent, k, lane) * (1.0 / _FRONT_RANGE))
+    columns[column + _FRONT_AT.exposed_nearness, lane] = exposed

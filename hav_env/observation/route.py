@@ -1,9 +1,9 @@
-"""The Dubins paths that lie ahead of a HAV."""
+"""The columns of the Dubins paths that lie ahead of a HAV."""
 
 from hav_env.compiled import fixed, kernel
 from hav_env.maths.dubins import shortest_path_towards, turns
 from hav_env.maths.elementary import atan2_positive
-from hav_env.observation.layout import PATHS, scale_distance
+from hav_env.observation.columns import Column, places_of, scale_distance
 from hav_env.world.sensing import (
     drivable_radius,
     goal_direction,
@@ -16,8 +16,19 @@ from hav_env.world.sensing import (
 # of a path: side of its first segment, length of that segment and of the whole path [m]
 TURN, FIRST, LENGTH = range(3)
 TO_GOAL, TO_APPROACH, ROUTE_SIZE = 0, 3, 6
-_COLUMNS = 4  # of each path
-_AHEAD = 1.0  # [m], the beginning of a path whose steering is told
+PATH = (
+    Column("turn", low=-1.0),
+    Column("first"),
+    Column("whole"),
+    Column("steering", low=-1.0),
+)
+ROUTE = tuple(
+    column._replace(name=f"{end}_path_{column.name}")
+    for end in ("goal", "approach")
+    for column in PATH
+)
+_AT = places_of(PATH)
+_STEERED = 1.0  # [m], the beginning of a path whose steering is told
 
 
 @kernel
@@ -28,7 +39,8 @@ def plan_route(world, agent, route, remaining):
     the second have the radius R_min, as AVOID-JACK plans it.
 
     Args:
-        world, agent: a block; which HAV.
+        world: a block.
+        agent: which HAV.
         route: (N, ROUTE_SIZE, W), of which row ``agent`` is written in every lane of the block.
         remaining: (N, W), the length of the path to the goal [m], likewise.
     """
@@ -55,18 +67,27 @@ def plan_route(world, agent, route, remaining):
 
 
 @kernel
-def observe_route(world, agent, route, columns):
-    """Write the columns of both paths."""
+def observe_route(world, agent, route, columns, first):
+    """Write the columns of both paths.
+
+    Args:
+        world: a block.
+        agent: which HAV.
+        route: (N, ROUTE_SIZE, W) as ``plan_route`` left it.
+        columns: (D, W) to be written.
+        first: the first column of the paths.
+    """
     for place in range(2):
-        to, column = fixed(TO_APPROACH * place), fixed(PATHS + _COLUMNS * place)
+        to, column = fixed(TO_APPROACH * place), fixed(first + len(_AT) * place)
         for lane in range(world.lanes):
-            side, first = route[agent, to + TURN, lane], route[agent, to + FIRST, lane]
-            columns[column, lane] = side
-            columns[column + 1, lane] = scale_distance(first)
-            columns[column + 2, lane] = scale_distance(route[agent, to + LENGTH, lane])
-            share = side * min(first * (1.0 / _AHEAD), 1.0)
+            side, length = route[agent, to + TURN, lane], route[agent, to + FIRST, lane]
+            columns[column + _AT.turn, lane] = side
+            columns[column + _AT.first, lane] = scale_distance(length)
+            columns[column + _AT.whole, lane] = scale_distance(route[agent, to + LENGTH, lane])
+            share = side * min(length * (1.0 / _STEERED), 1.0)
             radius = _radius(world, agent, place, lane)
-            columns[column + 3, lane] = share * steering_along(world, agent, radius, lane)
+            steering = share * steering_along(world, agent, radius, lane)
+            columns[column + _AT.steering, lane] = steering
 
 
 @kernel
@@ -81,8 +102,10 @@ def steering_along(world, agent, radius, lane):
     """Return the steering that keeps to a circle, as a share of what the wheels allow: at most 1.
 
     Args:
-        world, agent, lane: which HAV.
+        world: a block.
+        agent: which HAV.
         radius: of the circle of its rear axle [m].
+        lane: which world.
     """
     _, steering_max, _ = limits(world, agent, lane)
     return min(atan2_positive(unit_length(world, agent, 0, lane), radius) / steering_max, 1.0)

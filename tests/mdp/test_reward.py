@@ -24,14 +24,14 @@ def made(num_worlds=1, **settings):
     process = DecisionProcess(num_worlds, **settings)
     seeds, everywhere = np.arange(num_worlds), np.ones(num_worlds, np.bool_)
     process.begin(seeds, np.zeros(num_worlds, np.int64), everywhere)
-    process.look(everywhere, process.outcome())
+    process.observe_worlds(everywhere, process.outcome())
     return process
 
 
 def terms_of(process, told, names=TERMS):
     """Return what each term has come to since the beginning, (T, C, W)."""
     first = process.info.index(f"return_{names[0]}")
-    return told.numbers[first : first + len(names)]
+    return told.info[first : first + len(names)]
 
 
 def left(worlds):
@@ -179,7 +179,7 @@ def test_a_full_circle_earns_no_progress():
     worlds, steering = process.batch.worlds, 0.5
     limit(worlds, steering=steering)
     put(worlds, [3.0, 4.0], 0.0, 0.0, 0.3)
-    process.look(HERE, process.outcome())
+    process.observe_worlds(HERE, process.outcome())
     around = 2.0 * math.pi * 3.0 / math.tan(steering)
     steps = math.ceil(around / 0.2)
     speed = around / steps / 0.2  # the last step ends where the first began

@@ -9,8 +9,8 @@ from shapely import LineString, Point, shortest_line
 from hav_env import Observation, Task, parallel_env
 from hav_env.maths.dubins import shortest_path, turns
 from hav_env.mdp.decision_process import DecisionProcess
-from hav_env.observation import bounds_of, name_columns
-from hav_env.observation.layout import scale_distance, scale_length
+from hav_env.observation import list_columns, name_columns
+from hav_env.observation.columns import scale_distance, scale_length
 from hav_env.world.arrays import ARTICULATION, SPEED, STEERING
 from tests.support.budgets import budget
 from tests.support.worlds import wrapped
@@ -206,7 +206,7 @@ def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, front
     )
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()
     process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere)
-    process.look(everywhere, told)
+    process.observe_worlds(everywhere, told)
     most, rng = process.batch.scenario.max_trailers, np.random.default_rng(3)
     for _ in range(budget(12, 2)):
         for w in range(num_worlds):
@@ -264,11 +264,11 @@ def test_columns_take_the_signs_that_their_bounds_allow():
     process = DecisionProcess(num_worlds, num_havs=5, task=Task(sensing_range=500.0))
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()
     process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere)
-    process.look(everywhere, told)
+    process.observe_worlds(everywhere, told)
     rows = told.observation.reshape(-1, len(process.columns))
     turns_and_places = ("bearing", "goal_heading", "path_turn", "r_heading")
-    for name, column in zip(process.columns, rows.T, strict=True):
-        low, high = bounds_of(name)
+    columns = list_columns(process.observation, process.batch.scenario.max_trailers)
+    for (name, low, high), column in zip(columns, rows.T, strict=True):
         assert low <= column.min() <= column.max() <= high
         if any(part in name for part in turns_and_places) and "chain" not in name:
             assert column.min() < -0.3
@@ -281,7 +281,7 @@ def test_sines_and_cosines_of_a_row_are_of_one_angle():
     process = DecisionProcess(4, scenario="swarm-10")
     everywhere, told = np.ones(4, np.bool_), process.outcome()
     process.begin(np.arange(4), np.zeros(4, np.int64), everywhere)
-    process.look(everywhere, told)
+    process.observe_worlds(everywhere, told)
     rows = dict(
         zip(process.columns, told.observation.reshape(-1, len(process.columns)).T, strict=True)
     )

@@ -84,7 +84,7 @@ def run(changed, num_worlds=3):
     process = DecisionProcess(num_worlds, scenario="paper-pair", frame_skip=2)
     seeds, rng = np.arange(num_worlds), np.random.default_rng(0)
     process.begin(seeds, np.zeros(num_worlds, int), np.ones(num_worlds, bool))
-    process.look(np.ones(num_worlds, bool), process.outcome())
+    process.observe_worlds(np.ones(num_worlds, bool), process.outcome())
     told = []
     for step in range(STEPS):
         if step == changed:
@@ -95,15 +95,16 @@ def run(changed, num_worlds=3):
 
 
 def test_another_reward_changes_what_comes_and_nothing_that_was():
-    seen, numbers, ends = run(None)
-    seen_then, numbers_then, ends_then = run(STEPS // 2)
+    seen, numbers, rewards, *ends = run(None)
+    seen_then, numbers_then, rewards_then, *ends_then = run(STEPS // 2)
     assert np.array_equal(seen, seen_then)
     assert np.array_equal(ends, ends_then)
     before, after = slice(0, STEPS // 2), slice(STEPS // 2, None)
     assert np.array_equal(numbers[before], numbers_then[before])
+    assert np.array_equal(rewards[before], rewards_then[before])
     report = slice(0, len(REPORT))
     assert np.array_equal(numbers[:, report], numbers_then[:, report])
-    returns, returns_then = numbers[:, len(REPORT) : -1], numbers_then[:, len(REPORT) : -1]
+    returns, returns_then = numbers[:, len(REPORT) :], numbers_then[:, len(REPORT) :]
     gained, gained_then = np.diff(returns, axis=0), np.diff(returns_then, axis=0)
     of_later = slice(STEPS // 2 - 1, None)
     for k, term in enumerate(Reward._fields):
@@ -112,16 +113,16 @@ def test_another_reward_changes_what_comes_and_nothing_that_was():
         ratio = getattr(LATER, term) / getattr(Reward(), term)
         expected = ratio * gained[of_later, k]
         assert gained_then[of_later, k] == pytest.approx(expected, abs=1e-9), term
-    assert numbers_then[1:, -1] == pytest.approx(gained_then.sum(axis=1), abs=1e-9)
-    assert not np.allclose(numbers[after, -1], numbers_then[after, -1])
+    assert rewards_then[1:] == pytest.approx(gained_then.sum(axis=1), abs=1e-9)
+    assert not np.allclose(rewards[after], rewards_then[after])
 
 
 def test_whole_weights_are_numbers_too():
     process = DecisionProcess(1, scenario="paper-single", reward=Reward(time=0.0))
     process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, bool))
-    process.look(np.ones(1, bool), process.outcome())
+    process.observe_worlds(np.ones(1, bool), process.outcome())
     process.set_reward(Reward(*[0] * 8, -1))
-    assert process.step(np.zeros((1, 1, 2))).numbers[-1, 0, 0] == pytest.approx(-0.2)
+    assert process.step(np.zeros((1, 1, 2))).reward[0, 0] == pytest.approx(-0.2)
 
 
 @pytest.mark.parametrize(
@@ -138,7 +139,7 @@ def test_whole_weights_are_numbers_too():
 def test_another_reward_that_cannot_be_is_refused_and_the_old_one_stays(reward, error, message):
     process = DecisionProcess(1, scenario="paper-single", reward=Reward(*[0] * 8, -1))
     process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, bool))
-    process.look(np.ones(1, bool), process.outcome())
+    process.observe_worlds(np.ones(1, bool), process.outcome())
     with pytest.raises(error, match=message):
         process.set_reward(reward)
-    assert process.step(np.zeros((1, 1, 2))).numbers[-1, 0, 0] == pytest.approx(-0.2)
+    assert process.step(np.zeros((1, 1, 2))).reward[0, 0] == pytest.approx(-0.2)

@@ -19,8 +19,8 @@ from tests.support.trainings import EVALUATED, SIZES, train, words
 from train import ppo, scores
 from train.curriculum import Curriculum, harm_share
 from train.runs import restore
-from train.sb3 import callback as between
-from train.sb3.callback import Between
+from train.sb3 import callback
+from train.sb3.callback import TrainingCallback
 from train.scores import HELD_OUT, score
 
 trains_again = pytest.mark.skipif(not COMPILED, reason="trainings like the one that is tested")
@@ -51,7 +51,7 @@ def states_of(folder):
     for number, moments in state["moments"].items():
         told |= {f"moment {number} {name}": value for name, value in moments.items()}
     told |= state["arrays"] | state["numbers"] | {"torch": state["torch"]} | state["noise"]
-    told.pop("between.columns")  # scratch, of which nothing goes on
+    told.pop("buffers.columns")  # scratch, of which nothing goes on
     assert {"worlds.state.x", "worlds.state.clock", "numpy", "seen mean"} <= set(told)
     return {name: np.asarray(value).tobytes() for name, value in told.items()}
 
@@ -81,7 +81,8 @@ def test_the_smoke_preset_does_everything_once(tmp_path, capsys, monkeypatch):
 def test_the_run_is_described(trained):
     told = json.loads((trained / "run.json").read_text())
     assert told["arguments"]["decisions"] == 768
-    assert told["arguments"]["reward"] == ppo.REWARD._asdict()
+    reward = {"class": "hav_env.mdp.reward:Reward", **ppo.REWARD._asdict()}
+    assert told["arguments"]["reward"] == reward
     assert {"torch", "stable-baselines3", "numpy"} <= set(told["packages"])
     assert restore(ppo.Arguments, told["arguments"]) == ppo.read_arguments(words(trained))[0]
 
@@ -140,10 +141,10 @@ def test_tensorboard_shows_every_term_every_event_and_the_evaluations(trained):
 def test_the_best_policy_is_that_of_the_highest_score(tmp_path, monkeypatch):
     hits = iter([0.2, 0.7, 0.7, 0.5])
 
-    def scripted(policy, scenario, episodes):
+    def scripted(policy, scenario, episodes, vehicle):
         return {"jackknifed": 0.1, "goal 1 hit": next(hits), "goal 2 hit": 0.0}
 
-    monkeypatch.setattr(between, "evaluate", scripted)
+    monkeypatch.setattr(callback, "evaluate", scripted)
     folder = train(tmp_path / "run", decisions=1_024)
     curve = json.loads((folder / "curve.json").read_text())
     assert [row["score"] for row in curve] == pytest.approx([-0.1, 0.15, 0.15, 0.05])
@@ -190,14 +191,14 @@ class KilledError(Exception):
 
 def stop_after(monkeypatch, decisions, error):
     """Let a training end all of a sudden in the middle of a rollout."""
-    step = Between._on_step
+    step = TrainingCallback._on_step
 
     def stopping(callback):
         if callback.num_timesteps > decisions:
             raise error
         return step(callback)
 
-    monkeypatch.setattr(Between, "_on_step", stopping)
+    monkeypatch.setattr(TrainingCallback, "_on_step", stopping)
 
 
 @pytest.mark.parametrize("moments", budget([(300,), (520, 760), (260, 400, 620)], [(520,)]))

@@ -2,11 +2,12 @@
 
 import dataclasses
 import pathlib
+from typing import Any
 
-from hav_env import Observation, Reward
+from hav_env import Observation
 from train import checks
 from train.curriculum import Curriculum
-from train.training_task import CURRICULUM, OBSERVATION, REWARD
+from train.training_task import CURRICULUM, OBSERVATION, REWARD, VEHICLE
 
 
 @dataclasses.dataclass(frozen=True)
@@ -14,7 +15,7 @@ class Arguments:
     """How to train; words as in train.ppo."""
 
     scenario: str = "paper-single"
-    """Its name, or a JSON file."""
+    """Its name, a JSON file or module:Class."""
     output: pathlib.Path = pathlib.Path("runs/rllib-single")
     """Folder of the run."""
     address: str | None = None
@@ -52,7 +53,9 @@ class Arguments:
     """What a HAV observes of others; of no more than there are."""
     trailer_sigma: checks.Spread = 4.5
     """Of the trailer counts to train on, see ``RandomFleet``; evaluations have the scenario's."""
-    reward: Reward = REWARD
+    vehicle: Any = VEHICLE
+    """The kinematics."""
+    reward: Any = REWARD
     """Weights of its terms."""
     reward_scale: checks.AboveZero = 0.1
     """Times which the reward is learned from: RLlib does not normalize it."""

@@ -33,7 +33,7 @@ from baselines.storage.locks import sole_user
 from hav_env.cli.options import parse_options, report_errors
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.models.text import visible
-from train.checks import check_arguments
+from train.checks import OPTIONS, check_arguments, take_models
 from train.curriculum import reward_at
 from train.export import network_of
 from train.rllib.arguments import PRESETS, Arguments, check_batch
@@ -93,7 +93,7 @@ class Run:
     def _evaluate(self) -> None:
         """Score the policy on the held-out episodes, keep it, and keep it as the best if it is."""
         policy, told = self.policy(), self.arguments
-        figures = evaluate(policy, told.scenario, told.evaluation_episodes)
+        figures = evaluate(policy, told.scenario, told.evaluation_episodes, told.vehicle)
         best = max((row["score"] for row in self.curve), default=-np.inf)
         row = {"decisions": self.decisions, "hours": self.seconds / 3_600, **figures}
         self.curve.append(row | {"score": score(figures)})
@@ -121,7 +121,8 @@ def read_arguments(words: list[str]) -> Arguments:
     if preset not in PRESETS:
         raise ValueError(f"unknown preset {preset!r}; known: {', '.join(PRESETS)}")
     usual = dataclasses.replace(PRESETS[preset], output=pathlib.Path("runs") / f"rllib-{preset}")
-    usage = f"python -m train.rllib [--preset {'|'.join(PRESETS)}]"
+    usual, words = take_models(words, usual)
+    usage = f"python -m train.rllib [--preset {'|'.join(PRESETS)}] {OPTIONS}"
     return parse_options(Arguments, usage, "Train HAVs with PPO on Ray RLlib.", words, usual)
 
 

@@ -1,0 +1,1 @@
+"""PPO on Stable-Baselines3: its callback, checkpoints and warm starts."""

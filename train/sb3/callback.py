@@ -14,7 +14,7 @@ from train.curriculum import reward_at
 from train.scores import evaluate, score
 
 
-class Between(BaseCallback):
+class TrainingCallback(BaseCallback):
     """The callback of one sitting."""
 
     def __init__(self, run: Any) -> None:
@@ -28,11 +28,13 @@ class Between(BaseCallback):
         total = run.arguments.decisions
         self.task = self.bar.add_task("", total=total, completed=self.first, rate="")
 
-    def __enter__(self) -> "Between":
+    def __enter__(self) -> "TrainingCallback":
+        """Show the bar."""
         self.bar.start()
         return self
 
     def __exit__(self, *error: object) -> None:
+        """Take the bar away."""
         self.bar.stop()
 
     def _on_step(self) -> bool:
@@ -84,7 +86,8 @@ class Between(BaseCallback):
         """Score the policy on the held-out episodes, keep it, and keep it as the best if it is."""
         run = self.run
         arguments = run.arguments
-        found = evaluate(run.policy(), arguments.scenario, arguments.evaluation_episodes)
+        episodes, vehicle = arguments.evaluation_episodes, arguments.vehicle
+        found = evaluate(run.policy(), arguments.scenario, episodes, vehicle)
         for name, value in found.items():
             self.logger.record(f"held_out/{name.replace(' / ', '_per_').replace(' ', '_')}", value)
         best = max((row["score"] for row in run.curve), default=-np.inf)

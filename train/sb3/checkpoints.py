@@ -28,7 +28,8 @@ def write_checkpoint(
 
     Args:
         path: of the file.
-        learner, env: between two iterations.
+        learner: between two iterations.
+        env: of the learner.
         curve: the evaluations so far, as JSON knows them.
         seconds: of learning so far.
     """
@@ -70,7 +71,8 @@ def read_checkpoint(
 
     Args:
         path: of the file.
-        learner, env: made from the arguments of the run; they are written to.
+        learner: made from the arguments of the run; it is written to.
+        env: of the learner; it is written to.
 
     Returns:
         The curve; the seconds; what restores the random numbers, to be called when the next

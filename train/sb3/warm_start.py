@@ -7,14 +7,13 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecNormalize
 
-from baselines.policies.network import Network, unpack_layers
+from baselines.policies.network import Network, input_names, unpack_layers
 from hav_env.mdp.decision_process import DecisionProcess
-from hav_env.observation import name_columns
 
-_SPEED, _STEERING = range(2)  # of an action
-_QUIETER = 0.5
-_LEAST = 1e-2  # variance, of a column that is the same in all episodes at first
-_SEEN = 1e6  # observations that the normalizer is taken to have seen, so that it changes slowly
+_SPEED_OUTPUT, _STEERING_OUTPUT = range(2)
+_QUIETER = 0.5  # times which steering is explored
+_LEAST_VARIANCE = 1e-2  # of a column that is the same in all episodes at first
+_TRUSTED = 1e6  # observations that the normalizer is taken to have seen, so that it changes slowly
 
 
 def start_from(policy: Any, learner: PPO, env: VecNormalize, process: DecisionProcess) -> None:
@@ -30,7 +29,7 @@ def start_from(policy: Any, learner: PPO, env: VecNormalize, process: DecisionPr
     """
     if not isinstance(policy, Network):
         raise ValueError(f"the policy to begin with is {policy!r}, but must be a trained one")
-    theirs, ours = name_columns(policy.observation, policy.max_trailers), process.columns
+    theirs, ours = input_names(policy), process.columns
     missing = sorted(set(theirs) - set(ours))
     if missing:
         raise ValueError(f"the policy to begin with observes {missing[0]}, which is not observed")
@@ -52,13 +51,13 @@ def start_from(policy: Any, learner: PPO, env: VecNormalize, process: DecisionPr
     # noise would bring it down to where it has an effect. So speed is learned anew; steering, which
     # can be done already, is explored less.
     with torch.no_grad():
-        linear[-1].weight[_SPEED] = 0.0
-        linear[-1].bias[_SPEED] = 1.0
-        learner.policy.log_std[..., _STEERING] += np.log(_QUIETER)
+        linear[-1].weight[_SPEED_OUTPUT] = 0.0
+        linear[-1].bias[_SPEED_OUTPUT] = 1.0
+        learner.policy.log_std[..., _STEERING_OUTPUT] += np.log(_QUIETER)
     seen: Any = env.obs_rms
     first: Any = env.venv.reset()
     seen.mean[:] = first.mean(axis=0)
-    seen.var[:] = np.maximum(first.var(axis=0), _LEAST)
+    seen.var[:] = np.maximum(first.var(axis=0), _LEAST_VARIANCE)
     seen.mean[places] = policy.mean
     seen.var[places] = 1.0 / policy.scale**2 - env.epsilon
-    seen.count = _SEEN
+    seen.count = _TRUSTED

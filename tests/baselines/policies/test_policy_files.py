@@ -7,10 +7,12 @@ import pytest
 
 from baselines.policies import files as policy_files
 from baselines.policies.files import load_policy, load_trained, save_policy
+from baselines.policies.network import input_names, pack_layers, unpack_layers
 from hav_env import Batch, Observation, RandomFleet, RandomPoses, Task
 from hav_env.evaluation.rollout import rollout
 from hav_env.observation import name_columns
 from hav_env.policies.driver import PolicyDriver
+from hav_env.policies.interface import check_policy
 from hav_env.policies.names import make_policy
 from tests.support.budgets import budget
 from tests.support.networks import actions_of, doctor, random_network
@@ -134,12 +136,12 @@ OURS = list(name_columns(Observation(0), 10))
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"columns": [*OURS, "mood"]}, "other columns than this version: only it has mood"),
-        ({"columns": OURS[1:]}, "other columns than this version: it lacks waits"),
-        ({"columns": ["mood", *OURS[1:]]}, "only it has mood; it lacks waits"),
-        ({"columns": OURS[::-1]}, "they stand in another order"),
-        ({"max_trailers": 9}, "only it has articulation_cosine_10, articulation_sine_10, length_1"),
-        ({"observation": {"neighbors": 1, "chains": False}}, "it lacks neighbor_0_"),
+        ({"columns": [*OURS, "mood"]}, "no policy file, or a broken one: policy sizes"),
+        ({"columns": OURS[1:]}, "no policy file, or a broken one: policy sizes"),
+        ({"columns": [*OURS[1:], OURS[1]]}, "no policy file, or a broken one: columns must be"),
+        ({"columns": []}, "no policy file, or a broken one: columns must be"),
+        ({"columns": ["mood", *OURS[1:]]}, "observes what this version does not: mood$"),
+        ({"max_trailers": 9}, "does not: length_10, articulation_cosine_10, articulation_sine_10$"),
         ({"observation": {"neighbors": 0, "smell": True}}, "no policy file, or a broken one"),
         ({"observation": {"neighbors": "all"}}, "no policy file, or a broken one"),
         ({"limit": "far"}, "no policy file, or a broken one"),
@@ -155,6 +157,48 @@ def test_contents_that_are_not_of_this_version_are_named(changes, message, path)
     doctor(path, **changes)
     with pytest.raises(ValueError, match=rf"chance\.policy .*{message}"):
         load_policy(path)
+
+
+def without_a_column(policy, path, names):
+    """Write a policy as one that has never known some columns, and all others backwards.
+
+    Returns the file, and the same policy with weights of zero for these columns.
+    """
+    columns = input_names(policy)
+    kept = [k for k, name in enumerate(columns) if name not in names][::-1]
+    (first, biases), *others = unpack_layers(policy)
+    lost = [k for k in range(len(columns)) if k not in kept]
+    first[:, lost] = 0.0
+    sizes, weights = pack_layers([(first[:, kept], biases), *others])
+    fewer = policy._replace(
+        sizes=sizes,
+        weights=weights,
+        mean=policy.mean[kept],
+        scale=policy.scale[kept],
+        inputs=np.array(kept, np.int64),
+    )
+    save_policy(fewer, path, ABOUT)
+    return policy._replace(weights=pack_layers([(first, biases), *others])[1])
+
+
+@pytest.mark.parametrize("lost", [(), ("waits",), ("length_10", "goal_distance", "waits")])
+def test_columns_are_found_by_name_wherever_they_stand(lost, tmp_path):
+    policy, path = random_network(2, (8,), 1), tmp_path / "fewer.policy"
+    same = without_a_column(policy, path, lost)
+    loaded, batch = load_policy(path), Batch(RandomPoses(2), 3)
+    assert input_names(loaded) == tuple(n for n in input_names(policy)[::-1] if n not in lost)
+    batch.reset(0)
+    found = PolicyDriver(loaded, batch).decide()
+    # sums of products are taken in another order
+    assert np.array(found) == pytest.approx(np.array(PolicyDriver(same, batch).decide()), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "inputs", [np.full(52, 52), np.full(52, -1), np.zeros((2, 2), int), np.zeros(52), np.zeros(51)]
+)
+def test_inputs_that_are_no_columns_are_refused(inputs):
+    with pytest.raises(ValueError, match=r"policy (inputs|sizes)"):
+        check_policy(random_network()._replace(inputs=inputs), RandomPoses(1))
 
 
 # writing

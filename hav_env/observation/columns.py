@@ -1,0 +1,87 @@
+"""Columns of a row: how they are declared, and the scales on which values are written.
+
+A group of columns is a tuple of ``Column``. It stands in the module of the kernel that writes it:
+own.py, route.py, neighbors.py. Names, bounds and places follow from it.
+"""
+
+import collections
+import math
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from hav_env.compiled import kernel
+from hav_env.maths.elementary import log
+from hav_env.maths.geometry import clip
+
+LENGTH_UNIT, LENGTH_CUT = 10.0, 10.0  # of the lengths of units [m]; where they are cut
+DISTANCE_CUT = 1e4  # [m], where distances are cut
+SPEED_UNIT = 10.0  # [m/s], where speeds are cut
+TINY_DISTANCE = 1e-12  # [m], keeps the direction to a point at the same place finite
+_PER_LOGARITHM = 1.0 / math.log(1.0 + DISTANCE_CUT)
+
+
+class Column(NamedTuple):
+    """One number of an observation."""
+
+    name: str
+    low: float = 0.0
+    """The least value."""
+    high: float = 1.0
+    """The greatest value."""
+
+
+def length_column(name: str) -> Column:
+    """Return the column of the length of a unit, which ``scale_length`` writes."""
+    return Column(name, 0.0, LENGTH_CUT)
+
+
+def direction_columns(name: str) -> tuple[Column, Column]:
+    """Return the two columns that ``write_direction`` writes."""
+    return Column(f"{name}_cosine", -1.0), Column(f"{name}_sine", -1.0)
+
+
+def place_columns(prefix: str) -> tuple[Column, Column, Column]:
+    """Return the three columns that ``write_place`` writes."""
+    return Column(f"{prefix}distance"), *direction_columns(f"{prefix}bearing")
+
+
+def place_names(names: Iterable[str]) -> Any:
+    """Return the place of each name as an attribute of that name: 0, 1, ...
+
+    Compiled code takes it as constants.
+    """
+    found = list(names)
+    return collections.namedtuple("Places", found, module=__name__)(*range(len(found)))
+
+
+def places_of(group: tuple[Column, ...]) -> Any:
+    """Return the place of each column in its group, as an attribute of its name."""
+    return place_names(column.name for column in group)
+
+
+@kernel
+def scale_distance(distance):
+    """Return ln(1 + d / 1 m) / ln(1 + 10 km / 1 m), cut to 1: 1 m and 300 m both tell."""
+    return min(log(1.0 + distance) * _PER_LOGARITHM, 1.0)
+
+
+@kernel
+def scale_length(length):
+    """Return the length of a unit in 10 m, cut to 10."""
+    return min(length * (1.0 / LENGTH_UNIT), LENGTH_CUT)
+
+
+@kernel
+def write_place(columns, column, lane, forward, left):
+    """Write distance, cosine and sine of the bearing of a point [m]."""
+    distance = math.sqrt(forward * forward + left * left)
+    per_distance = 1.0 / max(distance, TINY_DISTANCE)
+    columns[column, lane] = scale_distance(distance)
+    write_direction(columns, column + 1, lane, forward * per_distance, left * per_distance)
+
+
+@kernel
+def write_direction(columns, column, lane, cosine, sine):
+    """Write a cosine and a sine, which rounding may have brought beyond 1."""
+    columns[column, lane] = clip(cosine, -1.0, 1.0)
+    columns[column + 1, lane] = clip(sine, -1.0, 1.0)
