@@ -32,7 +32,7 @@ LEAVING = {
     "task": Task(distance_tolerance=1.5, heading_tolerance=4.0),
     "on_goal": "remove",
 }
-LARGE = ("swarm-50", "swarm-200")  # each step takes a second without compilation
+LARGE = ("dense-50", "swarm-50", "swarm-200")  # each step takes a second without compilation
 SETTINGS = {
     **{name: {"scenario": name} for name in SCENARIOS if COMPILED or name not in LARGE},
     "five": {"num_havs": 5},
