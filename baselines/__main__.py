@@ -49,7 +49,7 @@ from hav_env.models.text import visible
 from hav_env.policies.names import POLICIES
 from hav_env.vehicles import VEHICLES
 
-_COMMANDS = {
+_MENU = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
     "evaluate": "policies on a scenario: one table, differences on the same episodes",
     "calibrate": "the effect of every choice that the paper leaves open",
@@ -75,7 +75,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _dispatch(arguments: list[str]) -> None:
     if not arguments or arguments[0] in ("-h", "--help"):
         print("usage: python -m baselines COMMAND [--help]\n")
-        for name, meaning in _COMMANDS.items():
+        for name, meaning in _MENU.items():
             print(f"  {name:10} {meaning}")
         return
     command, rest = arguments[0], arguments[1:]
@@ -88,7 +88,7 @@ def _dispatch(arguments: list[str]) -> None:
     elif command == "watch":
         _watch(rest)
     else:
-        raise ValueError(f"unknown command {command!r}; known: {', '.join(_COMMANDS)}")
+        raise ValueError(f"unknown command {command!r}; known: {', '.join(_MENU)}")
 
 
 def _reproduce(arguments: list[str]) -> None:
@@ -223,7 +223,7 @@ def _take_vehicle(arguments: list[str]) -> tuple[Any, list[str]]:
 
 def _parse(command: str, arguments: list[str], fields: list[tuple], common: Any) -> Any:
     usage = f"python -m baselines {command} {_NAMES[command]}".rstrip()
-    return read_options(usage, _COMMANDS[command], arguments, fields, common)
+    return read_options(usage, _MENU[command], arguments, fields, common)
 
 
 def _show(rows: list[list[str]], title: str) -> None:

@@ -22,6 +22,7 @@ from baselines.figures.trajectory_plot import (
 )
 from baselines.replay.trajectory import Trajectory
 from hav_env.evaluation.comparison import Score
+from hav_env.evaluation.figures import goal_hits
 
 _COLORS = (GREY, BLUE, LIGHT, ORANGE, GREEN, PURPLE)
 
@@ -70,7 +71,7 @@ def draw_curves(
     for k, (policy, curve) in enumerate(curves.items()):
         millions = [row["decisions"] / 1e6 for row in curve]
         for what in shown:
-            axes = goals if what.endswith(" hit") else harm
+            axes = goals if what in goal_hits(shown) else harm
             values = [100.0 * row[what] for row in curve]
             label = plot_text(what if len(curves) == 1 else f"{policy}: {what}")
             style = ("-", "-.", ":")[k % 3]

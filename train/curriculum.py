@@ -29,15 +29,12 @@ def lengthen(scenario: Any, trailer_sigma: float) -> Any:
     Of the paper's HAVs one in 300 has nine trailers or more: too few to learn from.
 
     Args:
-        scenario: of any kind; the fields that hold a ``RandomFleet`` change.
+        scenario: of any kind; only a fleet that is drawn changes.
         trailer_sigma: of the Rayleigh distribution of the counts.
     """
-    drawn = {
-        field: value._replace(trailer_sigma=trailer_sigma)
-        for field, value in scenario._asdict().items()
-        if isinstance(value, RandomFleet)
-    }
-    return scenario._replace(**drawn) if drawn else scenario
+    if not isinstance(scenario.fleet, RandomFleet):
+        return scenario
+    return scenario._replace(fleet=scenario.fleet._replace(trailer_sigma=trailer_sigma))
 
 
 def check_curriculum(curriculum: Curriculum) -> None:

@@ -116,7 +116,7 @@ class Arguments:
     """Of the simulator and of PyTorch. The weights depend on it, for PyTorch sums differently."""
 
 
-PRESETS = {
+PPO_PRESETS = {
     "single": Arguments(),
     "pair": Arguments(
         scenario="paper-pair",
@@ -264,11 +264,13 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
         told = restore(Arguments, read_run(folder, CHECKPOINT))
         return dataclasses.replace(told, output=folder), True
     preset, words = take_option(words, "--preset", "single")
-    if preset not in PRESETS:
-        raise ValueError(f"unknown preset {preset!r}; known: {', '.join(PRESETS)}")
-    usual = dataclasses.replace(PRESETS[preset], output=pathlib.Path("runs") / preset)
+    if preset not in PPO_PRESETS:
+        raise ValueError(f"unknown preset {preset!r}; known: {', '.join(PPO_PRESETS)}")
+    usual = dataclasses.replace(PPO_PRESETS[preset], output=pathlib.Path("runs") / preset)
     usual, words = checks.take_models(words, usual)
-    usage = f"python -m train.ppo [--preset {'|'.join(PRESETS)}] {checks.OPTIONS} | --resume FOLDER"
+    usage = (
+        f"python -m train.ppo [--preset {'|'.join(PPO_PRESETS)}] {checks.OPTIONS} | --resume FOLDER"
+    )
     return parse_options(Arguments, usage, "Train HAVs with PPO.", words, usual), False
 
 

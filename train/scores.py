@@ -9,9 +9,11 @@ import pyarrow as pa
 from baselines.policies.files import load_trained, save_policy
 from baselines.policies.network import Network
 from hav_env.evaluation.comparison import figures_of, measure
+from hav_env.evaluation.figures import goal_hits
 from hav_env.evaluation.rollout import rollout
 from hav_env.scenarios.presets import scenario_of
 from hav_env.vehicles import OnAxle
+from hav_env.world.event_table import HARM
 
 # seeds of episodes: those that the best policy is scored on at the end, those that it is chosen by,
 # and the first of those to train on
@@ -28,8 +30,8 @@ def evaluate(
 
 def score(figures: dict[str, float]) -> float:
     """Return by which number the best policy is chosen: goals, less what went wrong, twice."""
-    goals = [value for name, value in figures.items() if name.endswith(" hit")]
-    harm = figures["jackknifed"] + figures.get("actual collision", 0.0)
+    goals = [figures[name] for name in goal_hits(list(figures))]
+    harm = sum(figures.get(event.label, 0.0) for event in HARM)
     return float(np.mean(goals)) - 2.0 * harm
 
 

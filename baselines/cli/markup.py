@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from hav_env.models.text import visible
 
-_LONGEST = 100  # characters of a name of a file, without its suffix
+_LONGEST_FILE_NAME = 100  # characters of a name of a file, without its suffix
 # what begins or ends markup; a lone star, underscores within words and intervals in brackets do not
 _MARKUP = re.compile(r"[\\`|<&~$]|(?<=\S)\*|\*(?=\S)|(?<!\w)_|_(?!\w)|\](?=[(\[:])")
 
@@ -53,9 +53,9 @@ def file_names(names: Sequence[str], others: str = r"\W+") -> list[str]:
 
     def label(name: str) -> str:
         short = plain[name]
-        if shared[short.casefold()] == 1 and len(short.encode()) <= _LONGEST:
+        if shared[short.casefold()] == 1 and len(short.encode()) <= _LONGEST_FILE_NAME:
             return short
         digest = hashlib.sha256(name.encode("utf-8", "surrogateescape")).hexdigest()[:12]
-        return f"{short[: _LONGEST // 4]}-{digest}"
+        return f"{short[: _LONGEST_FILE_NAME // 4]}-{digest}"
 
     return [label(name) for name in names]

@@ -21,7 +21,7 @@ Engine = Callable[[Part, Iterable[range], int | None], Done]
 """Gives the tables of spans, in any order, as they are done."""
 
 ENGINES = ("local", "ray")
-_AHEAD = 64  # tasks that a cluster is given before others are done, at least
+_TASKS_AHEAD = 64  # tasks that a cluster is given before others are done, at least
 
 
 @contextlib.contextmanager
@@ -70,7 +70,7 @@ def run_on_cluster(ray: Any, part: Part, spans: Iterable[range], threads: int | 
     waiting: dict[Any, range] = {}
     try:
         while True:
-            for span in itertools.islice(left, max(_AHEAD, 4 * sum(cores)) - len(waiting)):
+            for span in itertools.islice(left, max(_TASKS_AHEAD, 4 * sum(cores)) - len(waiting)):
                 waiting[task.remote(shared, span, threads)] = span
             if not waiting:
                 return

@@ -16,7 +16,7 @@ _DIGEST = "table_sha256"
 _REMEDY = "choose another --output, or --overwrite"
 
 
-def describe(experiments: Any, makers: tuple[Callable, ...]) -> dict[str, Any]:
+def describe_run(experiments: Any, makers: tuple[Callable, ...]) -> dict[str, Any]:
     """Return what determines a table, as JSON: parameters, versions and digest of the code.
 
     Args:

@@ -13,7 +13,7 @@ import pyarrow as pa
 
 from baselines.cli.bounds import check_episodes, check_threads
 from baselines.evaluation.executors import Engine, run_here
-from baselines.evaluation.run_description import claim, describe, seal
+from baselines.evaluation.run_description import claim, describe_run, seal
 from baselines.evaluation.run_parts import find_parts, join_parts, write_part
 from baselines.storage.atomic_files import digest_of
 from baselines.storage.locks import sole_user
@@ -98,7 +98,7 @@ def run_experiments(
         _check_kinds(target)
         if overwrite:
             _discard(target)
-        told = describe(experiments, (run_part, write_part, join_parts))
+        told = describe_run(experiments, (run_part, write_part, join_parts))
         digest = claim(description, told)
         if digest is not None and digest == digest_of(target):
             advance(experiments.num_episodes, 0)

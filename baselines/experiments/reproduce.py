@@ -40,17 +40,17 @@ class Published(NamedTuple):
     size: int
 
 
-_FIRST, _SECOND = (figure_of_goal(GOAL_HIT, goal) for goal in (1, 2))
+_FIRST_GOAL, _SECOND_GOAL = (figure_of_goal(GOAL_HIT, goal) for goal in (1, 2))
 _JACKKNIFES, _CIRCLES_MET, _COLLISIONS = (
     figure_of_event(EVENTS[row]) for row in (JACKKNIFE, POTENTIAL, ACTUAL)
 )
 PUBLISHED = (
     Published("single", _JACKKNIFES, "jackknifed", 7, 4500),
-    Published("single", _FIRST, "first goal", 3904, 4500),
-    Published("single", _SECOND, "second goal", 3754, 4500),
+    Published("single", _FIRST_GOAL, "first goal", 3904, 4500),
+    Published("single", _SECOND_GOAL, "second goal", 3754, 4500),
     Published("pair", _JACKKNIFES, "jackknifed", 95, 9000),
-    Published("pair", _FIRST, "first goal", 7142, 9000),
-    Published("pair", _SECOND, "second goal", 5856, 9000),
+    Published("pair", _FIRST_GOAL, "first goal", 7142, 9000),
+    Published("pair", _SECOND_GOAL, "second goal", 5856, 9000),
     Published("pair", _CIRCLES_MET, "potential collision", 8516, 9000),
     Published("pair", _COLLISIONS, "actual collision", 26, 9000),
 )

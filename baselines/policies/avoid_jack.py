@@ -68,7 +68,7 @@ class AvoidJack(NamedTuple):
 _TINY = 1e-12  # m, keeps the direction away from a HAV at the same place finite
 # What a HAV remembers: 1 + the number of the HAV being evaded, 0 for none; and while it decides:
 # the goal vector or the one away from that HAV; the sum of the jackknife weights.
-EVADED, FORWARD, LEFT, WEIGHT = range(4)
+EVADED, VECTOR_FORWARD, VECTOR_LEFT, WEIGHT = range(4)
 
 
 @check_parameters.register
@@ -105,8 +105,8 @@ def avoid_jack(policy, memory, world, agent, speed, steering):
     for lane in range(world.lanes):
         weight = memory[agent, WEIGHT, lane]
         cosine, sine = articulation_direction(world, agent, 1, lane)
-        forward = memory[agent, FORWARD, lane] + weight * cosine
-        left = memory[agent, LEFT, lane] + weight * sine
+        forward = memory[agent, VECTOR_FORWARD, lane] + weight * cosine
+        left = memory[agent, VECTOR_LEFT, lane] + weight * sine
         speed_max, steering_max, articulation_max = limits(world, agent, lane)
         cosine, sine = steering_direction(world, agent, lane)
         safe = safe_speed(
@@ -127,8 +127,8 @@ def _attract(policy, memory, world, agent):
     for lane in range(world.lanes):
         side = goal_attraction(policy.close_factor, policy.straight_below, world, agent, lane)
         cosine, sine = steering_direction(world, agent, lane)
-        memory[agent, FORWARD, lane] = 1.0 if side == 0.0 else cosine
-        memory[agent, LEFT, lane] = side * sine
+        memory[agent, VECTOR_FORWARD, lane] = 1.0 if side == 0.0 else cosine
+        memory[agent, VECTOR_LEFT, lane] = side * sine
 
 
 @kernel
@@ -138,8 +138,8 @@ def _evade(policy, memory, world, agent, lane):
     if evaded >= 0:
         forward, left = neighbor_position(world, agent, evaded, lane)
         distance = max(math.sqrt(forward * forward + left * left), _TINY)
-        memory[agent, FORWARD, lane] = -forward / distance
-        memory[agent, LEFT, lane] = -left / distance
+        memory[agent, VECTOR_FORWARD, lane] = -forward / distance
+        memory[agent, VECTOR_LEFT, lane] = -left / distance
 
 
 @kernel

@@ -21,7 +21,7 @@ from hav_env.observation import Observation, check_observation
 
 SUFFIX = ".policy"
 _KINDS = {"sizes": "i", "weights": "f", "mean": "f", "scale": "f", "layout": "U", "about": "U"}
-_MOST_UNPACKED = 1 << 26  # unpacked
+_MOST_POLICY_BYTES = 1 << 26  # unpacked
 _MOST_NAMED = 8  # columns in a message
 _MOST_HELD = 1_000_000  # steps that an action is held
 _ARRAYS = {"sizes": np.int64, "weights": np.float32, "mean": np.float64, "scale": np.float64}
@@ -88,7 +88,7 @@ def load_trained(path: str | pathlib.Path) -> Trained:
         raise ValueError(f"there is no policy file {path}")
     try:
         with open(path, "rb") as file:
-            arrays = read_archive(file, _KINDS, _MOST_UNPACKED)
+            arrays = read_archive(file, _KINDS, _MOST_POLICY_BYTES)
         layout, about = (json.loads(arrays[name].item()) for name in ("layout", "about"))
         if not isinstance(about, dict):
             raise ValueError(f"about is {type(about).__name__}, but must be an object")

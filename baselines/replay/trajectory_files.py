@@ -13,7 +13,7 @@ from hav_env.world.arrays import NEVER, WHEN, WHERE
 from hav_env.world.event_table import EVENTS
 
 _ARCHIVE_KIND, _VERSION = "hav_env trajectory", 1
-_MOST_UNPACKED = 1 << 29  # unpacked
+_MOST_BYTES_KEPT = 1 << 29  # unpacked
 _HEADS = 1 << 16  # [bytes] at most, of all arrays
 _MOST_METRES = 1e9  # [m], [rad]: beyond it nothing is meant
 _MOST_SECONDS = 1e6  # [s] of an episode
@@ -54,9 +54,9 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike) -> None:
     """
     fields: dict = trajectory._asdict()
     size = sum(np.asarray(value).nbytes for value in fields.values())
-    if size > _MOST_UNPACKED - _HEADS:
+    if size > _MOST_BYTES_KEPT - _HEADS:
         raise ValueError(
-            f"the episode has {size:,} bytes, but must have at most {_MOST_UNPACKED - _HEADS:,}:"
+            f"the episode has {size:,} bytes, but must have at most {_MOST_BYTES_KEPT - _HEADS:,}:"
             " keep fewer of its states"
         )
     # given an open file, NumPy does not add a suffix of its own
@@ -82,7 +82,7 @@ def load_trajectory(path: str | os.PathLike) -> Trajectory:
 
 def _read(file: BinaryIO) -> Trajectory:
     try:
-        told = read_archive(file, {"kind": "U", "version": "i"}, _MOST_UNPACKED)
+        told = read_archive(file, {"kind": "U", "version": "i"}, _MOST_BYTES_KEPT)
     except ValueError as error:
         raise ValueError(f"an archive of another kind: {error}") from None
     if told["kind"].item() != _ARCHIVE_KIND:
@@ -90,7 +90,7 @@ def _read(file: BinaryIO) -> Trajectory:
     if told["version"].shape or told["version"] != _VERSION:
         raise ValueError(f"version {told['version']} of the layout, not {_VERSION}")
     kinds = {name: kinds for name, (kinds, _) in _LAYOUT.items()}
-    arrays = read_archive(file, kinds, _MOST_UNPACKED, _check_shapes)
+    arrays = read_archive(file, kinds, _MOST_BYTES_KEPT, _check_shapes)
     fields: dict[str, Any] = {
         name: array if array.ndim else array.item() for name, array in arrays.items()
     }

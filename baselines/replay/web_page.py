@@ -14,7 +14,7 @@ from hav_env.world.event_table import EVENTS
 
 _STYLE, _SCRIPT, _EPISODE_SLOT = "__STYLE__", "__SCRIPT__", "__EPISODE__"  # where parts belong
 # what one function of JavaScript is put together from: each part uses what those before it define
-_PARTS = ("episode", "colors", "view", "plane", "vehicles", "chart", "panel", "controls")
+_SCRIPTS = ("episode", "colors", "view", "plane", "vehicles", "chart", "panel", "controls")
 _SHOWN_OF_EVENTS = ("place", "state", "happens", "sign", "color", "company", "harm")
 _MOST_UNITS_AWAY = 2**15 - 1  # of an axle: a HAV of 100 m is told to 3 mm
 
@@ -39,7 +39,7 @@ def template() -> str:
     def read(name: str) -> str:
         return folder.joinpath(name).read_text(encoding="utf-8")
 
-    script = "\n".join(read(f"{part}.js") for part in _PARTS)
+    script = "\n".join(read(f"{part}.js") for part in _SCRIPTS)
     return read("page.html").replace(_STYLE, read("style.css")).replace(_SCRIPT, script)
 
 

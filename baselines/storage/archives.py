@@ -17,7 +17,7 @@ _MOST_MEMBERS = 64
 _MOST_DIRECTORY = 1 << 16  # [bytes]
 _MOST_HEAD = 512  # characters that describe an array; NumPy takes more, and parses them
 _MOST_AXES = 8
-_END, _LARGE_END = b"PK\x05\x06", b"PK\x06\x07"
+_END_RECORD, _LARGE_END = b"PK\x05\x06", b"PK\x06\x07"
 _END_SIZE, _LARGE_SIZE = 22, 20  # [bytes]
 
 
@@ -80,7 +80,7 @@ def _check_directory(file: BinaryIO) -> None:
     file.seek(max(size - _END_SIZE - _LARGE_SIZE, 0))
     end = file.read()
     record = end[-_END_SIZE:]
-    if len(record) < _END_SIZE or record[:4] != _END or record[-2:] != b"\0\0":
+    if len(record) < _END_SIZE or record[:4] != _END_RECORD or record[-2:] != b"\0\0":
         raise ValueError("no archive, or cut short")
     members = int.from_bytes(record[10:12], "little")
     directory = int.from_bytes(record[12:16], "little")

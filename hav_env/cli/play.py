@@ -38,7 +38,7 @@ class Controls(NamedTuple):
 
 
 _HAVS = 4  # where neither a number nor a scenario is given
-STANDING = (
+STANDING_ACTION = (
     -1.0,
     0.0,
 )  # speed from -1, none, to 1, the most; steering from -1, right, to 1, left
@@ -91,13 +91,13 @@ def drive(
     from hav_env.maths.random_numbers import SEED_LIMIT  # noqa: PLC0415  takes the compiler's time
 
     episodes, running, before = 0, False, frozenset({"again"})
-    action = np.array(STANDING, np.float32)
+    action = np.array(STANDING_ACTION, np.float32)
     for held in held_in_frames:
         if "quit" in held:
             break
         if episodes == 0 or ("again" in held and "again" not in before):
             env.reset(seed=(seed + episodes) % SEED_LIMIT)
-            episodes, running, action = episodes + 1, True, np.array(STANDING, np.float32)
+            episodes, running, action = episodes + 1, True, np.array(STANDING_ACTION, np.float32)
         elif running:
             action = next_action(held, action, controls)
             _, _, terminated, truncated, info = env.step(action)
@@ -145,8 +145,8 @@ def watch_keyboard() -> Iterator[frozenset[str]]:
         yield frozenset(name for name, keys in meanings.items() if any(pressed[k] for k in keys))
 
 
-def open_environment(options: Play) -> Any:
-    """Return the environment that is played, with a window.
+def open_environment(options: Play, render_mode: str | None = "human") -> Any:
+    """Return the environment that is played; its window opens when it is first rendered.
 
     Raises:
         ValueError, TypeError, OSError: for options that are not allowed, naming them.
@@ -165,14 +165,22 @@ def open_environment(options: Play) -> Any:
         chosen["scenario"] = options.scenario
     elif options.num_havs is None:
         chosen["num_havs"] = _HAVS
-    return HAVSingleEnv(others=options.others, render_mode="human", **chosen)
+    return HAVSingleEnv(others=options.others, render_mode=render_mode, **chosen)
+
+
+def _compile(options: Play) -> None:
+    """Take one step without a window, so that compiling does not keep a window from answering."""
+    env = open_environment(options, None)
+    env.reset(seed=options.seed)
+    env.step(np.array(STANDING_ACTION, np.float32))
+    env.close()
 
 
 def play(options: Play) -> None:
     """Open a window and let the user drive until it is closed."""
-    keyboard = watch_keyboard()
     env = open_environment(options)
     try:
-        drive(env, keyboard, options.seed)
+        _compile(options)
+        drive(env, watch_keyboard(), options.seed)
     finally:
         env.close()

@@ -22,7 +22,7 @@ from hav_env.models.annotations import is_model, values_of
 KERNELS: dict[Callable, str] = {}
 """How each kernel is compiled; code that calls one is followed into it, wherever it is from."""
 
-_OWN = "hav_env"
+_PROJECT = "hav_env"
 _ASIDE = ("hav_env.compiled.", "hav_env.models.")  # threads and checks change no result
 _DEEPEST = 4  # modules in modules, as in a.b.c.function
 # how kernels are compiled: a change here changes all compiled code
@@ -82,7 +82,7 @@ class _Walk:
         self.models, self.chosen = models, set[str]()
         self.facts: set[str] = set()
         self.size = 0
-        self._packages = {_OWN, *map(_package_of, models)}
+        self._packages = {_PROJECT, *map(_package_of, models)}
         self._seen: set[int] = set()
         self._kept: list[Any] = []  # so that no other object gets an identity that was seen
         self._open: list[types.FunctionType] = []

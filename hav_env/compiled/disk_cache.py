@@ -109,7 +109,7 @@ class DiskCache(NullCache):
         told = [
             *(numba.__version__, sys.implementation.cache_tag, codegen.magic_tuple()),
             *(function.__module__, function.__qualname__),
-            *map(describe, sig),
+            *map(describe_type, sig),
         ]
         digest = hashlib.sha256(repr(told).encode()).hexdigest()
         name = f"{function.__name__}-{digest[:16]}-{self.code(sig).digest[:16]}.nbi"
@@ -135,7 +135,7 @@ def _classes_in(kinds: Iterable[Any]) -> set[type]:
     return found
 
 
-def describe(kind: Any) -> str:
+def describe_type(kind: Any) -> str:
     """Return a type of Numba in words that are the same in every process.
 
     Numba's name of a named tuple tells neither its module nor its fields.
@@ -143,7 +143,7 @@ def describe(kind: Any) -> str:
     if not isinstance(kind, numba.types.BaseTuple):
         return str(kind)
     fields = getattr(kind, "fields", range(len(kind)))
-    told = ", ".join(f"{name}: {describe(kind[k])}" for k, name in enumerate(fields))
+    told = ", ".join(f"{name}: {describe_type(kind[k])}" for k, name in enumerate(fields))
     made = getattr(kind, "instance_class", tuple)
     return f"{made.__module__}.{made.__qualname__}({told})"
 

@@ -4,8 +4,10 @@ import re
 import sysconfig
 
 _PLACE = re.compile(r'File "([^"]+)", line (\d+)')
-_NOISE = re.compile(r"^(During: |File |-+%<|<source missing|\[|Failed in nopython|def |@|\^|$)")
-_LONGEST = 300  # characters of Numba's message
+_LINES_ASIDE = re.compile(
+    r"^(During: |File |-+%<|<source missing|\[|Failed in nopython|def |@|\^|$)"
+)
+_LONGEST_REASON = 300  # characters of Numba's message
 
 
 def explain(name: str, error: Exception) -> str:
@@ -20,5 +22,5 @@ def explain(name: str, error: Exception) -> str:
     places = [place for place in _PLACE.findall(text) if not place[0].startswith(libraries)]
     where = f" at {places[-1][0]}:{places[-1][1]}" if places else ""
     lines = [line.strip() for line in text.splitlines()]
-    reasons = [line for line in lines if line and not _NOISE.match(line)]
-    return f"cannot compile {name}{where}: {' '.join(reasons)[:_LONGEST]}"
+    reasons = [line for line in lines if line and not _LINES_ASIDE.match(line)]
+    return f"cannot compile {name}{where}: {' '.join(reasons)[:_LONGEST_REASON]}"

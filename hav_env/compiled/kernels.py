@@ -11,9 +11,9 @@ from hav_env.compiled.digests import KERNELS
 
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
 # most of the time.
-_OPTIONS = {"error_model": "numpy", "nogil": True, "_nrt": False}
-ENTERED = _OPTIONS | {"pipeline_class": compiler_into(Whole)}
-_CALLED = _OPTIONS | {
+_KERNEL_OPTIONS = {"error_model": "numpy", "nogil": True, "_nrt": False}
+ENTERED = _KERNEL_OPTIONS | {"pipeline_class": compiler_into(Whole)}
+_CALLED = _KERNEL_OPTIONS | {
     "pipeline_class": compiler_into(Part),
     "no_cpython_wrapper": True,
     "no_cfunc_wrapper": True,

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.envs.limits import limits_of
 from hav_env.envs.screen import Screen
 from hav_env.maths.random_numbers import SEED_LIMIT, Seed
 from hav_env.mdp.advance import Outcome
@@ -143,7 +142,7 @@ class SingleWorld:
             speed_max=limit[SPEED],
             steering_max=limit[STEERING],
             articulation_max=limit[ARTICULATION],
-            footprint_truck_share=limits_of(scenario).footprint_truck_share,
+            footprint_truck_share=scenario.fleet.footprint_truck_share,
         )
         for field, name in (("num_havs", "HAVs"), ("num_goals", "goals of each HAV")):
             if getattr(found, field) != getattr(scenario, field):

@@ -9,7 +9,6 @@ from pettingzoo.utils.wrappers import BaseParallelWrapper
 
 from hav_env.envs.gymnasium_single import HAVSingleEnv, HAVSwarmEnv
 from hav_env.envs.hav_swarm_v0 import HAVSwarmParallelEnv
-from hav_env.envs.limits import limits_of
 from hav_env.mdp.actions import check_mapping, read_action
 
 
@@ -17,7 +16,7 @@ class _Units:
     """Turns m/s and rad into -1 to 1; all HAVs of a scenario have the same limits."""
 
     def __init__(self, env: HAVSwarmEnv | HAVSingleEnv | HAVSwarmParallelEnv) -> None:
-        limits = limits_of(env.scenario)
+        limits = env.scenario.fleet
         self.most = np.array([limits.speed_max, limits.steering_max])
 
     def box(self, shape: tuple[int, ...]) -> spaces.Box:

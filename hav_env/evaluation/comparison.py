@@ -6,7 +6,13 @@ from typing import NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from hav_env.evaluation.figures import Figure, columns_of_figures, figures_of, measure, values_of
+from hav_env.evaluation.figures import (
+    Figure,
+    columns_of_figures,
+    figure_values,
+    figures_of,
+    measure,
+)
 from hav_env.evaluation.statistics import Interval, paired_difference
 from hav_env.models.text import visible
 
@@ -27,10 +33,10 @@ def score(names: list[str], tables: list[pa.Table]) -> list[list[Score]]:
     episodes = first["episode"].to_numpy()
     rows = []
     for figure in figures_of(first):
-        reference = values_of(first, figure)
+        reference = figure_values(first, figure)
         rows.append([Score(names[0], figure, measure(first, figure), None)])
         for name, table in zip(names[1:], tables[1:], strict=True):
-            difference = paired_difference(episodes, values_of(table, figure), reference)
+            difference = paired_difference(episodes, figure_values(table, figure), reference)
             rows[-1].append(Score(name, figure, measure(table, figure), difference))
     return rows
 

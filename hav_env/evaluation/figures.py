@@ -62,6 +62,14 @@ def goals_of(columns: Sequence[str]) -> range:
     return range(1, count + 1)
 
 
+def goal_hits(figures: Sequence[str]) -> list[str]:
+    """Return which names of figures are shares of HAVs that hit a goal, in their order."""
+    found: list[str] = []
+    while (name := figure_of_goal(GOAL_HIT, len(found) + 1).name) in figures:
+        found.append(name)
+    return found
+
+
 def figures_of(table: pa.Table) -> list[Figure]:
     """Return the figures that a table has, in their order."""
     company = pc.max(table["hav"]).as_py() > 0
@@ -83,12 +91,12 @@ def _all_figures(columns: Sequence[str]) -> Iterator[Figure]:
             yield figure
 
 
-def values_of(table: pa.Table, figure: Figure) -> np.ndarray:
+def figure_values(table: pa.Table, figure: Figure) -> np.ndarray:
     """Return the values of a figure for every row, nan where there is none."""
     return table[figure.column].cast(pa.float64()).to_numpy(zero_copy_only=False)
 
 
 def measure(table: pa.Table, figure: Figure) -> Interval:
     """Return a figure with its 95 % interval: Wilson for shares, normal for means."""
-    values = values_of(table, figure)
+    values = figure_values(table, figure)
     return wilson(int(values.sum()), values.size) if figure.percent else mean(values)

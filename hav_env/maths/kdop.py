@@ -22,7 +22,7 @@ _ANGLES = [_ANGLE * k for k in range(SIDES)]
 # arrays: of a tuple, compiled code would look at one element after another
 _COSINES = np.array([math.cos(angle) for angle in _ANGLES])
 _SINES = np.array([math.sin(angle) for angle in _ANGLES])
-_COSINE, _SINE = math.cos(_ANGLE), math.sin(_ANGLE)
+_SIDE_COSINE, _SIDE_SINE = math.cos(_ANGLE), math.sin(_ANGLE)
 
 
 @kernel
@@ -71,7 +71,7 @@ def corner(rows, outline, side):
     """Return the corner [m] between a side and the next one."""
     after = side + 1 if side + 1 < SIDES else 0
     out = rows[outline + side]
-    along = (rows[outline + after] - out * _COSINE) / _SINE
+    along = (rows[outline + after] - out * _SIDE_COSINE) / _SIDE_SINE
     return (
         out * _COSINES[side] - along * _SINES[side],
         out * _SINES[side] + along * _COSINES[side],
@@ -94,7 +94,7 @@ def turn_outline(rows, outline, others, other, x, y, cosine, sine):
     # the corner that is farthest out towards an own side lies between two sides of the other one
     before, _ = sincos(rest)
     behind, _ = sincos(_ANGLE - rest)
-    before, behind = before / _SINE, behind / _SINE
+    before, behind = before / _SIDE_SINE, behind / _SIDE_SINE
     sides, seen = rows[outline : outline + SIDES], others[other : other + SIDES]
     for side in range(SIDES):
         at = side - passed + (SIDES if side < passed else 0)

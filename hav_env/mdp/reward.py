@@ -7,6 +7,8 @@ field ``progress`` is the weight of the term of that name. A HAV that waits gets
 import functools
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from hav_env.compiled import fixed, generic, kernel
 from hav_env.maths.geometry import clip
 from hav_env.models.checks import check_model
@@ -20,6 +22,7 @@ from hav_env.world.arrays import (
     NEVER,
     STEERING,
     WHEN,
+    World,
     truck_distance,
 )
 from hav_env.world.collision import collision_distance, front_gap
@@ -64,7 +67,15 @@ _PROXIMITY_RANGE = 5.0  # [m], what is near
 
 
 @generic
-def reward_terms(reward, duration, world, agent, before, remaining, terms):
+def reward_terms(
+    reward: Any,
+    duration: float,
+    world: World,
+    agent: int,
+    before: np.ndarray,
+    remaining: np.ndarray,
+    terms: np.ndarray,
+) -> None:
     """Work out the terms of one HAV in every lane of a block of worlds, after an action.
 
     Args:

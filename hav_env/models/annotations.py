@@ -11,7 +11,7 @@ import typing
 from collections.abc import Callable
 from typing import Annotated, Any, ForwardRef, NamedTuple
 
-_LONGEST = 100  # characters of a value that an error shows
+_MOST_SHOWN = 100  # characters of a value that an error shows
 
 
 class Range(NamedTuple):
@@ -84,7 +84,7 @@ def show(value: Any, how: Callable[[Any], str] = repr) -> str:
         text = " ".join(how(value).split())
     except Exception:  # a whole number of 5,000 digits cannot be written; others' code may fail
         text = f"{with_article(type(value))} that cannot be shown"
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
+    return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]} ..."
 
 
 def with_article(kind: type | str) -> str:

@@ -4,7 +4,7 @@ import os
 import pathlib
 
 _UNKNOWN = 2**35  # bytes, where the system does not say how many it has
-_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+_CONTAINER_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 
 
 def check_memory(name: str, value: int, needed: float) -> None:
@@ -14,19 +14,19 @@ def check_memory(name: str, value: int, needed: float) -> None:
         name: of the argument to blame; value: of that argument.
         needed: bytes.
     """
-    most = memory_size()
+    most = available_memory()
     if needed > most:
         told = f"{name} is {value}, which takes {needed / 2**30:.1f} GiB"
         raise ValueError(f"{told}, but must take at most {most / 2**30:.1f} GiB, all there is here")
 
 
-def memory_size() -> int:
+def available_memory() -> int:
     """Return how many bytes this process may use: those of the machine, or of its container."""
     if "SC_PHYS_PAGES" in getattr(os, "sysconf_names", {}):
         most = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     else:
         most = _UNKNOWN
-    for path in map(pathlib.Path, _LIMITS):
+    for path in map(pathlib.Path, _CONTAINER_LIMITS):
         try:
             most = min(most, int(path.read_text()))
         except (OSError, ValueError):  # no container, or one without a limit ("max")

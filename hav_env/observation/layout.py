@@ -11,7 +11,7 @@ from hav_env.observation.own import ITSELF, count_unit_columns, unit_columns
 from hav_env.observation.route import ROUTE
 
 OWN = tuple(column.name for column in (*ITSELF, *ROUTE))
-NEIGHBOR = tuple(column.name for column in of_neighbors.NEIGHBOR)
+NEIGHBOR = tuple(column.name for column in of_neighbors.NEIGHBOR_COLUMNS)
 FIRST_OF_ROUTE, FIRST_OF_UNITS = len(ITSELF), len(ITSELF) + len(ROUTE)
 
 

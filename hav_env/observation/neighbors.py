@@ -34,7 +34,7 @@ from hav_env.world.sensing import (
     own_footprint,
 )
 
-NEIGHBOR = (
+NEIGHBOR_COLUMNS = (
     Column("present"),
     *place_columns(""),
     *direction_columns("heading"),
@@ -51,7 +51,11 @@ FRONTS = (
     Column("front_aside", low=-1.0),
     Column("exposed_nearness"),
 )
-_AT, _CHAIN_AT, _FRONT_AT = places_of(NEIGHBOR), places_of(CHAINS), places_of(FRONTS)
+_NEIGHBOR_AT, _CHAIN_AT, _FRONT_AT = (
+    places_of(NEIGHBOR_COLUMNS),
+    places_of(CHAINS),
+    places_of(FRONTS),
+)
 _FRONT_RANGE = 10.0  # [m], what is near the front of a truck
 
 
@@ -64,7 +68,7 @@ def neighbor_columns(chains: bool, fronts: bool, max_trailers: int) -> list[Colu
         max_trailers: of any HAV.
     """
     chain = joint_columns(CHAINS, max_trailers) if chains else []
-    return [*NEIGHBOR, *chain, *(FRONTS if fronts else ())]
+    return [*NEIGHBOR_COLUMNS, *chain, *(FRONTS if fronts else ())]
 
 
 @kernel
@@ -82,7 +86,7 @@ def observe_neighbors(observation, world, agent, columns, first):
         first: the first column of the neighbours.
     """
     joints = world.state.heading.shape[1] - 1
-    fronts = len(_AT) + (len(_CHAIN_AT) * joints if observation.chains else 0)
+    fronts = len(_NEIGHBOR_AT) + (len(_CHAIN_AT) * joints if observation.chains else 0)
     size = fronts + (len(_FRONT_AT) if observation.fronts else 0)
     for number in range(first, first + size * observation.neighbors):
         column = fixed(number)
@@ -95,7 +99,7 @@ def observe_neighbors(observation, world, agent, columns, first):
             column = first + size * rank
             _look_at_neighbor(world, agent, nearest, least, columns, column, lane)
             if observation.chains:
-                _observe_chain(world, agent, nearest, columns, column + len(_AT), lane)
+                _observe_chain(world, agent, nearest, columns, column + len(_NEIGHBOR_AT), lane)
             if observation.fronts:
                 _observe_fronts(world, agent, nearest, columns, column + fronts, lane)
     for rank in range(observation.neighbors):
@@ -129,39 +133,41 @@ def _next_nearest(world, agent, lane, before, least):
 @kernel
 def _look_at_neighbor(world, agent, k, gap, columns, column, lane):
     """Write a neighbour's columns in metres: places as forward and left, distances as they are."""
-    columns[column + _AT.present, lane] = 1.0
+    columns[column + _NEIGHBOR_AT.present, lane] = 1.0
     forward, left = neighbor_position(world, agent, k, lane)
-    columns[column + _AT.bearing_cosine, lane] = forward
-    columns[column + _AT.bearing_sine, lane] = left
+    columns[column + _NEIGHBOR_AT.bearing_cosine, lane] = forward
+    columns[column + _NEIGHBOR_AT.bearing_sine, lane] = left
     cosine, sine = neighbor_heading_direction(world, agent, k, lane)
-    write_direction(columns, column + _AT.heading_cosine, lane, cosine, sine)
-    columns[column + _AT.footprint_radius, lane] = neighbor_footprint(world, agent, k, lane)
-    columns[column + _AT.clearance, lane] = gap
-    columns[column + _AT.truck_length, lane] = neighbor_length(world, agent, k, 0, lane)
+    write_direction(columns, column + _NEIGHBOR_AT.heading_cosine, lane, cosine, sine)
+    columns[column + _NEIGHBOR_AT.footprint_radius, lane] = neighbor_footprint(
+        world, agent, k, lane
+    )
+    columns[column + _NEIGHBOR_AT.clearance, lane] = gap
+    columns[column + _NEIGHBOR_AT.truck_length, lane] = neighbor_length(world, agent, k, 0, lane)
     forward, left = neighbor_nearest_point(world, agent, k, lane)
-    columns[column + _AT.chain_bearing_cosine, lane] = forward
-    columns[column + _AT.chain_bearing_sine, lane] = left
+    columns[column + _NEIGHBOR_AT.chain_bearing_cosine, lane] = forward
+    columns[column + _NEIGHBOR_AT.chain_bearing_sine, lane] = left
 
 
 @kernel
 def _scale_neighbor(world, columns, column):
     """Turn metres into what a row holds; zeros stay zeros."""
     for lane in range(world.lanes):
-        forward = columns[column + _AT.bearing_cosine, lane]
-        left = columns[column + _AT.bearing_sine, lane]
-        write_place(columns, column + _AT.distance, lane, forward, left)
+        forward = columns[column + _NEIGHBOR_AT.bearing_cosine, lane]
+        left = columns[column + _NEIGHBOR_AT.bearing_sine, lane]
+        write_place(columns, column + _NEIGHBOR_AT.distance, lane, forward, left)
     for lane in range(world.lanes):
-        forward = columns[column + _AT.chain_bearing_cosine, lane]
-        left = columns[column + _AT.chain_bearing_sine, lane]
-        write_place(columns, column + _AT.chain_distance, lane, forward, left)
+        forward = columns[column + _NEIGHBOR_AT.chain_bearing_cosine, lane]
+        left = columns[column + _NEIGHBOR_AT.chain_bearing_sine, lane]
+        write_place(columns, column + _NEIGHBOR_AT.chain_distance, lane, forward, left)
     for lane in range(world.lanes):
-        gap = columns[column + _AT.clearance, lane]
+        gap = columns[column + _NEIGHBOR_AT.clearance, lane]
         scaled = scale_distance(abs(gap))
-        columns[column + _AT.clearance, lane] = -scaled if gap < 0.0 else scaled
-        footprint = columns[column + _AT.footprint_radius, lane]
-        columns[column + _AT.footprint_radius, lane] = scale_distance(footprint)
-        truck = columns[column + _AT.truck_length, lane]
-        columns[column + _AT.truck_length, lane] = scale_length(truck)
+        columns[column + _NEIGHBOR_AT.clearance, lane] = -scaled if gap < 0.0 else scaled
+        footprint = columns[column + _NEIGHBOR_AT.footprint_radius, lane]
+        columns[column + _NEIGHBOR_AT.footprint_radius, lane] = scale_distance(footprint)
+        truck = columns[column + _NEIGHBOR_AT.truck_length, lane]
+        columns[column + _NEIGHBOR_AT.truck_length, lane] = scale_length(truck)
 
 
 @kernel

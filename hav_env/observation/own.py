@@ -47,7 +47,7 @@ ITSELF = (
     *place_columns("approach_"),
 )
 JOINT = direction_columns("articulation")  # of each joint
-_AT, _JOINT_AT = places_of(ITSELF), places_of(JOINT)
+_OWN_AT, _JOINT_AT = places_of(ITSELF), places_of(JOINT)
 
 
 def unit_columns(max_trailers: int) -> list[Column]:
@@ -82,25 +82,25 @@ def observe_itself(world, agent, columns, units):
     joints = num_units - 1
     for lane in range(world.lanes):
         speed, steering, articulation = limits(world, agent, lane)
-        columns[_AT.waits, lane] = 1.0 if waits(world, agent, lane) else 0.0
-        columns[_AT.goals_left, lane] = goals_left(world, agent, lane) * per_goal
-        columns[_AT.speed_max, lane] = min(speed * (1.0 / SPEED_UNIT), 1.0)
-        columns[_AT.steering_max, lane] = steering * (2.0 / math.pi)
-        columns[_AT.articulation_max, lane] = articulation * (1.0 / math.pi)
+        columns[_OWN_AT.waits, lane] = 1.0 if waits(world, agent, lane) else 0.0
+        columns[_OWN_AT.goals_left, lane] = goals_left(world, agent, lane) * per_goal
+        columns[_OWN_AT.speed_max, lane] = min(speed * (1.0 / SPEED_UNIT), 1.0)
+        columns[_OWN_AT.steering_max, lane] = steering * (2.0 / math.pi)
+        columns[_OWN_AT.articulation_max, lane] = articulation * (1.0 / math.pi)
     for lane in range(world.lanes):
-        columns[_AT.largest_articulation, lane] = 0.0
-        columns[_AT.stable_radius, lane] = scale_distance(stable_radius(world, agent, lane))
+        columns[_OWN_AT.largest_articulation, lane] = 0.0
+        columns[_OWN_AT.stable_radius, lane] = scale_distance(stable_radius(world, agent, lane))
         steepest = steering_along(world, agent, drivable_radius(world, agent, lane), lane)
-        columns[_AT.drivable_steering, lane] = steepest
-        columns[_AT.footprint_radius, lane] = scale_distance(own_footprint(world, agent, lane))
+        columns[_OWN_AT.drivable_steering, lane] = steepest
+        columns[_OWN_AT.footprint_radius, lane] = scale_distance(own_footprint(world, agent, lane))
     for lane in range(world.lanes):
         forward, left, _ = goal_pose(world, agent, lane)
         cosine, sine = goal_direction(world, agent, lane)
         before = unit_length(world, agent, 0, lane)
         ahead, aside = forward - before * cosine, left - before * sine
-        write_place(columns, _AT.goal_distance, lane, forward, left)
-        write_direction(columns, _AT.goal_heading_cosine, lane, cosine, sine)
-        write_place(columns, _AT.approach_distance, lane, ahead, aside)
+        write_place(columns, _OWN_AT.goal_distance, lane, forward, left)
+        write_direction(columns, _OWN_AT.goal_heading_cosine, lane, cosine, sine)
+        write_place(columns, _OWN_AT.approach_distance, lane, ahead, aside)
     for number in range(num_units):
         unit = fixed(number)
         for lane in range(world.lanes):
@@ -116,8 +116,10 @@ def observe_itself(world, agent, columns, units):
             present = joint <= num_trailers(world, agent, lane)
             cosine, sine = articulation_direction(world, agent, joint, lane)
             bend = atan2(sine, cosine) / limits(world, agent, lane)[2] if present else 0.0
-            largest = columns[_AT.largest_articulation, lane]
+            largest = columns[_OWN_AT.largest_articulation, lane]
             larger = abs(bend) > abs(largest)
-            columns[_AT.largest_articulation, lane] = clip(bend, -1.0, 1.0) if larger else largest
+            columns[_OWN_AT.largest_articulation, lane] = (
+                clip(bend, -1.0, 1.0) if larger else largest
+            )
             columns[cosines, lane] = clip(cosine, -1.0, 1.0) if present else 0.0
             columns[sines, lane] = clip(sine, -1.0, 1.0) if present else 0.0

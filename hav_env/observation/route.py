@@ -16,7 +16,7 @@ from hav_env.world.sensing import (
 # of a path: side of its first segment, length of that segment and of the whole path [m]
 TURN, FIRST, LENGTH = range(3)
 TO_GOAL, TO_APPROACH, ROUTE_SIZE = 0, 3, 6
-PATH = (
+PATH_COLUMNS = (
     Column("turn", low=-1.0),
     Column("first"),
     Column("whole"),
@@ -25,9 +25,9 @@ PATH = (
 ROUTE = tuple(
     column._replace(name=f"{end}_path_{column.name}")
     for end in ("goal", "approach")
-    for column in PATH
+    for column in PATH_COLUMNS
 )
-_AT = places_of(PATH)
+_ROUTE_AT = places_of(PATH_COLUMNS)
 _STEERED = 1.0  # [m], the beginning of a path whose steering is told
 
 
@@ -78,16 +78,18 @@ def observe_route(world, agent, route, columns, first):
         first: the first column of the paths.
     """
     for place in range(2):
-        to, column = fixed(TO_APPROACH * place), fixed(first + len(_AT) * place)
+        to, column = fixed(TO_APPROACH * place), fixed(first + len(_ROUTE_AT) * place)
         for lane in range(world.lanes):
             side, length = route[agent, to + TURN, lane], route[agent, to + FIRST, lane]
-            columns[column + _AT.turn, lane] = side
-            columns[column + _AT.first, lane] = scale_distance(length)
-            columns[column + _AT.whole, lane] = scale_distance(route[agent, to + LENGTH, lane])
+            columns[column + _ROUTE_AT.turn, lane] = side
+            columns[column + _ROUTE_AT.first, lane] = scale_distance(length)
+            columns[column + _ROUTE_AT.whole, lane] = scale_distance(
+                route[agent, to + LENGTH, lane]
+            )
             share = side * min(length * (1.0 / _STEERED), 1.0)
             radius = _radius(world, agent, place, lane)
             steering = share * steering_along(world, agent, radius, lane)
-            columns[column + _AT.steering, lane] = steering
+            columns[column + _ROUTE_AT.steering, lane] = steering
 
 
 @kernel

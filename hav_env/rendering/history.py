@@ -9,7 +9,7 @@ from hav_env.rendering.scene import Scene, harms_of
 _FEW_EVADERS = 10  # HAVs up to which evasions are worth an entry
 _SPACING = 1.0  # s between two points of a trail
 _TRAIL = 240  # points
-_EVENTS = 6
+_MOST_NOTED = 6
 _AGAIN = 20.0  # s within which the same is not told twice: an evasion may flicker
 
 
@@ -22,7 +22,7 @@ class History:
 
     def __init__(self) -> None:
         """Begin without a past."""
-        self.events: collections.deque[tuple[float, str]] = collections.deque(maxlen=_EVENTS)
+        self.events: collections.deque[tuple[float, str]] = collections.deque(maxlen=_MOST_NOTED)
         self._places: collections.deque[np.ndarray] = collections.deque(maxlen=_TRAIL)
         self._kept_at = -np.inf
         self._before: Scene | None = None

@@ -5,7 +5,7 @@ import numpy as np
 from hav_env.rendering.camera import Camera, box
 from hav_env.rendering.canvas import Canvas
 from hav_env.rendering.colors import EVASION, GROUND, INK, PAPER, RED, color_of, mix
-from hav_env.rendering.scene import Scene, goal_distance
+from hav_env.rendering.scene import Scene, distance_shown
 from hav_env.rendering.vehicles import NUMBERED, TAG, breadth_of
 from hav_env.world.chain import axles_of
 
@@ -48,7 +48,7 @@ def draw_way_out(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None
     place = camera.middle + away / outside
     along = away / np.hypot(*away)
     canvas.arrow(place - 14.0 * along, place + 16.0 * along, color_of(hav), 3.5)
-    told = f"goal {goal_distance(scene, hav):.0f} m"
+    told = f"goal {distance_shown(scene, hav):.0f} m"
     canvas.label(told, place - (48.0, 26.0) * along, 17, color_of(hav))
 
 

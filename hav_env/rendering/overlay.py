@@ -7,7 +7,7 @@ from hav_env.rendering.canvas import Canvas
 from hav_env.rendering.colors import DIM, EVENT_COLORS, INK, PALE, Color, color_of, color_of_bend
 from hav_env.rendering.ground import grid_spacing
 from hav_env.rendering.history import History
-from hav_env.rendering.scene import Scene, bends_of, count_flags, goal_distance, harms_of
+from hav_env.rendering.scene import Scene, bends_of, count_flags, distance_shown, harms_of
 from hav_env.world.event_table import HARM
 
 _EDGE = 12  # pixels between a panel and the edge, and within a panel
@@ -79,7 +79,7 @@ def _state_of(scene: Scene, hav: int) -> tuple[str, Color]:
         return "at goal", DIM
     if scene.evaded[hav] >= 0:
         return f"evades {scene.evaded[hav]}", INK
-    return f"{goal_distance(scene, hav):.1f} m", INK
+    return f"{distance_shown(scene, hav):.1f} m", INK
 
 
 def _draw_events(canvas: Canvas, history: History) -> None:

@@ -122,7 +122,7 @@ def bends_of(scene: Scene, hav: int) -> np.ndarray:
     return np.abs(np.diff(scene.heading[hav, : scene.num_trailers[hav] + 1]))
 
 
-def goal_distance(scene: Scene, hav: int) -> float:
+def distance_shown(scene: Scene, hav: int) -> float:
     """Return how far the goal under way is [m]."""
     return float(np.hypot(scene.goal[hav, 0] - scene.x[hav], scene.goal[hav, 1] - scene.y[hav]))
 
@@ -167,7 +167,8 @@ def _describe_hav(scene: Scene, hav: int) -> str:
     bend = np.degrees(bends_of(scene, hav).max(initial=0.0))
     limit = np.degrees(scene.articulation_max[hav])
     told = [
-        f"{name} goal {scene.phase + 1}/{scene.num_goals} {goal_distance(scene, hav):.1f} m {side}",
+        f"{name} goal {scene.phase + 1}/{scene.num_goals}"
+        f" {distance_shown(scene, hav):.1f} m {side}",
         f"bend {bend:.0f}/{limit:.0f} deg",
     ]
     states = {

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from hav_env.models.quantities import Gap, Goals, Havs
-from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
+from hav_env.scenarios.fleets import RandomFleet, draw_fleet, scenario_key
 from hav_env.world.arrays import FOOTPRINT, HEADING, X, Y, put_straight
 from hav_env.world.collision import reach
 
@@ -37,7 +37,7 @@ class Column(NamedTuple):
 def populate_column(scenario, world, lane):
     """Draw the fleet of one lane and line it up; there is always room."""
     fleet = world.fleet
-    draw_fleet(scenario.fleet, fleet, lane, episode_key(world, lane), 0)
+    draw_fleet(scenario.fleet, fleet, lane, scenario_key(world, lane), 0)
     x = 0.0
     for agent in range(scenario.num_havs):
         if agent > 0:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import sincos
 from hav_env.models.quantities import Gap, Goals, Havs
-from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
+from hav_env.scenarios.fleets import RandomFleet, draw_fleet, scenario_key
 from hav_env.world.arrays import HEADING, X, Y, put_straight
 from hav_env.world.collision import collision_distance
 
@@ -41,7 +41,7 @@ class Crossing(NamedTuple):
 
 def populate_crossing(scenario, world, lane):
     """Draw the fleet of one lane and put it on its circle; there is always room."""
-    draw_fleet(scenario.fleet, world.fleet, lane, episode_key(world, lane), 0)
+    draw_fleet(scenario.fleet, world.fleet, lane, scenario_key(world, lane), 0)
     radius = _circle_radius(scenario, world.fleet, lane)
     for agent in range(scenario.num_havs):
         outward = 2.0 * math.pi * agent / scenario.num_havs

@@ -8,7 +8,7 @@ from hav_env.models.annotations import show
 from hav_env.scenarios.explicit import Explicit, explicit
 
 _MOST_BYTES = 2**26  # a swarm of 10,000 HAVs with 100 goals each
-_LIMITS = ("speed_max", "steering_max", "articulation_max", "footprint_truck_share")
+_LIMIT_NAMES = ("speed_max", "steering_max", "articulation_max", "footprint_truck_share")
 
 
 def load_explicit(path: str | os.PathLike[str]) -> Explicit:
@@ -53,9 +53,9 @@ def _from_json(data: Any) -> Explicit:
     if not isinstance(data, dict) or not isinstance(data.get("havs"), list):
         raise ValueError('a scenario is an object with a list "havs"')
     limits = {name: data[name] for name in data if name != "havs"}
-    unknown = sorted(set(limits) - set(_LIMITS))
+    unknown = sorted(set(limits) - set(_LIMIT_NAMES))
     if unknown:
-        known = ", ".join(("havs", *_LIMITS))
+        known = ", ".join(("havs", *_LIMIT_NAMES))
         raise ValueError(f"unknown entry {show(unknown[0])}; known: {known}")
     columns: dict[str, list] = {"lengths": [], "start": [], "goals": []}
     for agent, hav in enumerate(data["havs"]):

@@ -59,7 +59,7 @@ class RandomFleet(NamedTuple):
 
 
 @kernel
-def episode_key(world, lane):
+def scenario_key(world, lane):
     """Return what the random numbers of a scenario depend on: seed, episode, stream."""
     clock = world.state.clock
     return clock[SEED, lane], clock[EPISODE, lane], _STREAM

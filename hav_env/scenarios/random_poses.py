@@ -6,7 +6,7 @@ from typing import NamedTuple
 from hav_env.compiled import kernel
 from hav_env.maths.random_numbers import uniform
 from hav_env.models.quantities import AreaFactor, Attempts, Goals, Havs, WorldAttempts
-from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
+from hav_env.scenarios.fleets import RandomFleet, draw_fleet, scenario_key
 from hav_env.world.arrays import FOOTPRINT, put_straight
 from hav_env.world.collision import collision_distance
 
@@ -40,7 +40,7 @@ class RandomPoses(NamedTuple):
 
 def populate_random_poses(scenario, world, lane):
     """Draw one world; worlds that leave no room for a pose are drawn afresh, a bounded number."""
-    key = episode_key(world, lane)
+    key = scenario_key(world, lane)
     draw = 0
     for _ in range(scenario.world_attempts):
         draw = draw_fleet(scenario.fleet, world.fleet, lane, key, draw)

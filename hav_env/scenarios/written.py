@@ -9,7 +9,7 @@ import numpy as np
 from hav_env.models.annotations import is_number, show, split_range, with_article
 from hav_env.models.quantities import Coordinate, Heading, Length
 
-_PARTS = {"x": Coordinate, "y": Coordinate, "heading": Heading}
+_POSE_PARTS = {"x": Coordinate, "y": Coordinate, "heading": Heading}
 
 
 def read_numbers(name: str, value: Any, depth: int) -> list:
@@ -77,7 +77,7 @@ def check_lengths(length: np.ndarray, num_trailers: np.ndarray) -> None:
 
 def check_poses(places: np.ndarray) -> None:
     """Raise ValueError unless starts and goals (N, 1 + G, 3) are where poses may be."""
-    for column, (part, kind) in enumerate(_PARTS.items()):
+    for column, (part, kind) in enumerate(_POSE_PARTS.items()):
         _, allowed = split_range(kind)
         assert allowed is not None
         values = places[..., column]

@@ -6,10 +6,10 @@ from typing import NamedTuple
 from hav_env.compiled import kernel
 from hav_env.maths.random_numbers import uniform
 from hav_env.models.quantities import Gap, Goals, Havs
-from hav_env.scenarios.fleets import RandomFleet, draw_fleet, episode_key
+from hav_env.scenarios.fleets import RandomFleet, draw_fleet, scenario_key
 from hav_env.world.arrays import FOOTPRINT, HEADING, X, Y, put_straight
 
-_AHEAD = math.pi / 2  # out of the start bays, across the aisle, into the goal bays
+_WAY_AHEAD = math.pi / 2  # out of the start bays, across the aisle, into the goal bays
 
 
 class Yard(NamedTuple):
@@ -50,12 +50,12 @@ def populate_yard(scenario, world, lane):
 
     A bay is as wide as the footprint of its HAV, 2 d_i, and the gap; so all rows have one width.
     """
-    key = episode_key(world, lane)
+    key = scenario_key(world, lane)
     draw = draw_fleet(scenario.fleet, world.fleet, lane, key, 0)
     edge = _left_edge(scenario, world.fleet, lane)
     for agent in range(scenario.num_havs):
         half = _half_bay(scenario, world.fleet, agent, lane)
-        put_straight(world.state, agent, lane, edge + half, 0.0, _AHEAD)
+        put_straight(world.state, agent, lane, edge + half, 0.0, _WAY_AHEAD)
         edge += 2.0 * half
     for phase in range(scenario.num_goals):
         draw = _deal_bays(scenario, world.goals, phase, lane, key, draw)
@@ -100,4 +100,4 @@ def _place_row(scenario, world, phase, lane):
         goals[agent, phase, Y, lane] = (phase + 1) * scenario.aisle
         edge += 2.0 * half
     for agent in range(scenario.num_havs):
-        goals[agent, phase, HEADING, lane] = _AHEAD
+        goals[agent, phase, HEADING, lane] = _WAY_AHEAD

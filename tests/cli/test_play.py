@@ -5,12 +5,12 @@ import pytest
 
 from hav_env.__main__ import main
 from hav_env.cli import play
-from hav_env.cli.play import STANDING, Controls, Play, drive, next_action, watch_keyboard
+from hav_env.cli.play import STANDING_ACTION, Controls, Play, drive, next_action, watch_keyboard
 
 NOTHING = frozenset()
 
 
-def hold(*names, action=STANDING, frames=1):
+def hold(*names, action=STANDING_ACTION, frames=1):
     """Return the action after some frames with these keys held."""
     action = np.array(action)
     for _ in range(frames):
@@ -152,7 +152,7 @@ def test_the_close_button_ends_the_driving(keyboard):
 
 def test_play_closes_the_environment(monkeypatch, keyboard):
     road = Road()
-    monkeypatch.setattr(play, "open_environment", lambda options: road)
+    monkeypatch.setattr(play, "open_environment", lambda options, mode="human": road)
     assert main(["play", "--seed", "5"]) == 0  # no window opens, so it ends after a frame
     assert road.calls == ["reset 5", "render", "close"]
 

@@ -1,4 +1,4 @@
-"""The house holds: small folders and files, floors that know only lower ones, one name one meaning."""
+"""The house holds: small folders, short files, floors that know lower ones, names of one meaning."""
 
 import ast
 import collections

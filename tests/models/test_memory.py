@@ -11,7 +11,7 @@ import pytest
 from baselines.policies.reserve import Reserve
 from hav_env import Batch, Observation, RandomPoses, parallel_env
 from hav_env.envs.stable_baselines3 import HAVVecEnv
-from hav_env.models.memory import memory_size
+from hav_env.models.memory import available_memory
 from hav_env.policies.interface import allocate_memory
 from hav_env.world.arrays import allocate_worlds, world_size
 
@@ -21,7 +21,7 @@ LITTLE = 2**26  # bytes
 @pytest.fixture
 def little_memory(monkeypatch):
     """A machine that has next to none."""
-    monkeypatch.setattr("hav_env.models.memory.memory_size", lambda: LITTLE)
+    monkeypatch.setattr("hav_env.models.memory.available_memory", lambda: LITTLE)
 
 
 @pytest.mark.parametrize("shape", [(1, 2, 1), (2, 11, 2), (20, 5, 3), (300, 11, 2)])
@@ -67,4 +67,4 @@ def test_what_fits_is_allowed(little_memory):
 
 
 def test_there_is_some_memory_and_not_more_than_an_address_can_name():
-    assert 2**28 < memory_size() < sys.maxsize
+    assert 2**28 < available_memory() < sys.maxsize

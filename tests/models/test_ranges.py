@@ -2,7 +2,7 @@
 
 import math
 import pathlib
-from typing import Annotated, Any, NamedTuple, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ from hav_env import (
 )
 from hav_env.maths.elementary import sincos
 from hav_env.maths.random_numbers import Seed
-from hav_env.models.annotations import Range, kinds_of, split_range
+from hav_env.models.annotations import kinds_of, split_range
 from hav_env.models.checks import check_fields
 from hav_env.models.quantities import (
     Coordinate,
@@ -44,7 +44,6 @@ from hav_env.models.quantities import (
     Threads,
     Worlds,
 )
-from hav_env.scenarios import check_scenario, populate
 from tests.support.budgets import budget
 from train.curriculum import Curriculum
 
@@ -260,48 +259,6 @@ def test_inside_the_ranges_every_policy_drives(policy, scenario, task, seed):
     assert np.isfinite(trajectory.heading).all()
     assert np.isfinite(trajectory.speed[:-1]).all()
     assert np.isfinite(trajectory.steering[:-1]).all()
-
-
-class Placed(NamedTuple):
-    """A scenario from outside the package."""
-
-    num_havs: int = 1
-    num_goals: int = 1
-    trailers: Annotated[int, Range(1, 5)] = 1
-    articulation_max: float = 1.5
-
-    @property
-    def max_trailers(self):
-        """As many as is said."""
-        return self.trailers
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({}, None),
-        ({"num_havs": 2.0}, "scenario num_havs is 2.0"),
-        ({"num_havs": 10**6}, "scenario num_havs is 1000000"),
-        ({"num_goals": 0}, "scenario num_goals is 0"),
-        ({"trailers": 6}, "scenario trailers is 6, but must be at least 1 and at most 5"),
-        ({"articulation_max": 7.0}, "scenario articulation_max is 7.0"),
-    ],
-)
-def test_a_scenario_from_outside_is_checked_too(changes, message, monkeypatch):
-    monkeypatch.setitem(populate.table, Placed, lambda scenario, world, lane: True)
-    if message is None:
-        return check_scenario(Placed())
-    with pytest.raises(ValueError, match=message):
-        check_scenario(Placed()._replace(**changes))
-
-
-def test_what_lacks_what_arrays_are_shaped_by_is_no_scenario(monkeypatch):
-    class Shapeless(NamedTuple):
-        num_havs: int = 1
-
-    monkeypatch.setitem(populate.table, Shapeless, lambda scenario, world, lane: True)
-    with pytest.raises(TypeError, match="scenario num_goals is None"):
-        check_scenario(Shapeless())
 
 
 def test_the_longest_episode_turns_by_less_than_sines_stand():

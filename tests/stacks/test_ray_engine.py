@@ -111,7 +111,7 @@ def test_policies_of_ones_own_and_trained_ones_are_evaluated(
 
 
 def test_more_parts_than_are_given_out_at_once(engine, tmp_path, monkeypatch, cluster):
-    monkeypatch.setattr(engines, "_AHEAD", 1)
+    monkeypatch.setattr(engines, "_TASKS_AHEAD", 1)
     job = PAIR._replace(num_episodes=33, task=Task(max_steps=10))  # eleven parts, two cores
     here = run_experiments(job, tmp_path / "here", "pair")
     there = run_experiments(job, tmp_path / "there", "pair", engine=engine)

@@ -12,7 +12,7 @@ from baselines.policies.network import normalize, propagate
 from hav_env import RandomPoses, Task
 from hav_env.evaluation.rollout import rollout
 from tests.stacks.ray_here import ray_here
-from train.rllib.arguments import PRESETS
+from train.rllib.arguments import RLLIB_PRESETS
 from train.rllib.setup import SHARED, HAVMultiAgentEnv, mean_layers
 from train.rllib.training import Run, main
 from train.runs import begin_run, plain
@@ -32,7 +32,7 @@ def folder(tmp_path_factory):
 def trained(folder):
     """Train the smoke preset on two HAVs."""
     arguments = dataclasses.replace(
-        PRESETS["smoke"], scenario="paper-pair", worlds=3, output=folder / "run", seed=3
+        RLLIB_PRESETS["smoke"], scenario="paper-pair", worlds=3, output=folder / "run", seed=3
     )
     run = Run(arguments)
     begin_run(arguments.output, plain(arguments))

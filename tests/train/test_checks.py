@@ -12,6 +12,7 @@ from train.curriculum import Curriculum
 from train.rllib import arguments as rllib_arguments
 
 BOTH = (ppo, rllib_arguments)
+ALL_PRESETS = (ppo.PPO_PRESETS, rllib_arguments.RLLIB_PRESETS)
 HUGE = 10**30
 BAD = [
     *(("decisions", value) for value in (0, HUGE, 1.5, "1", True, None)),
@@ -48,7 +49,7 @@ def test_an_argument_of_a_training_is_refused_by_name(stack, field, value):
     assert "\n" not in str(told.value)
 
 
-@pytest.mark.parametrize("stack", BOTH)
-def test_all_presets_pass(stack):
-    for arguments in stack.PRESETS.values():
+@pytest.mark.parametrize("presets", ALL_PRESETS)
+def test_all_presets_pass(presets):
+    for arguments in presets.values():
         check_arguments(arguments)

@@ -71,7 +71,7 @@ def test_a_reward_may_name_what_is_harm():
 @pytest.mark.parametrize(
     ("options", "reward", "vehicle"),
     [
-        ([], ppo.PRESETS["smoke"].reward, OnAxle()),
+        ([], ppo.PPO_PRESETS["smoke"].reward, OnAxle()),
         (["--reward", "default"], Reward(), OnAxle()),
         (["--reward=default", "--reward.goal", "3"], Reward(goal=3.0), OnAxle()),
         (["--reward", f"{HERE}:Arrival", "--reward.late", "-3"], Arrival(late=-3.0), OnAxle()),

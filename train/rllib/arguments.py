@@ -67,7 +67,7 @@ class Arguments:
     """Held-out episodes of an evaluation."""
 
 
-PRESETS = {
+RLLIB_PRESETS = {
     "single": Arguments(),
     "pair": Arguments(scenario="paper-pair", worlds=16, max_steps=6_000),
     # is done in seconds, and learns nothing to speak of

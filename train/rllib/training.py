@@ -36,7 +36,7 @@ from hav_env.models.text import visible
 from train.checks import OPTIONS, check_arguments, take_models
 from train.curriculum import reward_at
 from train.export import network_of
-from train.rllib.arguments import PRESETS, Arguments, check_batch
+from train.rllib.arguments import RLLIB_PRESETS, Arguments, check_batch
 from train.rllib.setup import SHARED, configure, mean_layers
 from train.runs import begin_run, plain, versions
 from train.scores import evaluate, score
@@ -118,11 +118,13 @@ def read_arguments(words: list[str]) -> Arguments:
         ValueError: when there is no such preset or option.
     """
     preset, words = take_option(words, "--preset", "single")
-    if preset not in PRESETS:
-        raise ValueError(f"unknown preset {preset!r}; known: {', '.join(PRESETS)}")
-    usual = dataclasses.replace(PRESETS[preset], output=pathlib.Path("runs") / f"rllib-{preset}")
+    if preset not in RLLIB_PRESETS:
+        raise ValueError(f"unknown preset {preset!r}; known: {', '.join(RLLIB_PRESETS)}")
+    usual = dataclasses.replace(
+        RLLIB_PRESETS[preset], output=pathlib.Path("runs") / f"rllib-{preset}"
+    )
     usual, words = take_models(words, usual)
-    usage = f"python -m train.rllib [--preset {'|'.join(PRESETS)}] {OPTIONS}"
+    usage = f"python -m train.rllib [--preset {'|'.join(RLLIB_PRESETS)}] {OPTIONS}"
     return parse_options(Arguments, usage, "Train HAVs with PPO on Ray RLlib.", words, usual)
 
 

@@ -10,6 +10,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from baselines.cli.progress import new_bar
 from baselines.storage.atomic_files import write_text
+from hav_env.evaluation.figures import goal_hits
 from train.curriculum import reward_at
 from train.scores import evaluate, score
 
@@ -63,7 +64,7 @@ class TrainingCallback(BaseCallback):
         rate = (done - self.first) / max(time.monotonic() - self.begun, 1e-9)
         last = run.curve[-1] if run.curve else {}
         told = f"{rate:,.0f}/s" + "".join(
-            f", {name} {100 * last[name]:.1f} %" for name in last if name.endswith(" hit")
+            f", {name} {100 * last[name]:.1f} %" for name in goal_hits(list(last))
         )
         self.bar.update(self.task, completed=done, rate=told)
 

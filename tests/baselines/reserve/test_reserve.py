@@ -1,7 +1,6 @@
 """Reserve neither jackknifes nor collides: every step is looked at by an audit of its own."""
 
 import math
-from typing import NamedTuple
 
 import gymnasium as gym
 import numpy as np
@@ -105,17 +104,6 @@ def test_an_explicit_scenario_is_measured_by_its_own_units():
     with pytest.raises(ValueError, match=r"must be at most 0\.1 m, twice the shortest unit"):
         check_policy(Reserve(), short)
     check_policy(Reserve(), explicit([[4.0, 0.3]], [[0, 0, 0]], [[[50, 0, 0]]]))
-
-
-def test_a_scenario_that_hides_its_lengths_is_refused():
-    class Secret(NamedTuple):
-        num_havs: int = 2
-        num_goals: int = 1
-        max_trailers: int = 2
-        articulation_max: float = 1.5
-
-    with pytest.raises(TypeError, match="Secret does not tell the lengths"):
-        check_policy(Reserve(), Secret())
 
 
 def test_a_margin_that_leaves_no_articulation_is_refused():
