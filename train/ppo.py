@@ -268,9 +268,8 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
         raise ValueError(f"unknown preset {preset!r}; known: {', '.join(PPO_PRESETS)}")
     usual = dataclasses.replace(PPO_PRESETS[preset], output=pathlib.Path("runs") / preset)
     usual, words = checks.take_models(words, usual)
-    usage = (
-        f"python -m train.ppo [--preset {'|'.join(PPO_PRESETS)}] {checks.OPTIONS} | --resume FOLDER"
-    )
+    presets = "|".join(PPO_PRESETS)
+    usage = f"python -m train.ppo [--preset {presets}] {checks.OPTIONS} | --resume FOLDER"
     return parse_options(Arguments, usage, "Train HAVs with PPO.", words, usual), False
 
 

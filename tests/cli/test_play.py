@@ -151,10 +151,12 @@ def test_the_close_button_ends_the_driving(keyboard):
 
 
 def test_play_closes_the_environment(monkeypatch, keyboard):
-    road = Road()
-    monkeypatch.setattr(play, "open_environment", lambda options, mode="human": road)
+    roads = {"human": Road(), None: Road()}
+    monkeypatch.setattr(play, "open_environment", lambda options, mode="human": roads[mode])
     assert main(["play", "--seed", "5"]) == 0  # no window opens, so it ends after a frame
-    assert road.calls == ["reset 5", "render", "close"]
+    assert roads["human"].calls == ["reset 5", "render", "close"]
+    assert roads[None].calls[0] == "reset 5"  # compiled without a window first
+    assert "step" in roads[None].calls[-2]
 
 
 def test_one_hav_of_the_real_environment_is_driven_among_others(monkeypatch, keyboard):

@@ -33,14 +33,14 @@ print({name: value for name, value in seen.items() if not name.endswith("half")}
 ADDITIONS = {
     "own.py": {
         '    *place_columns("approach_"),\n': '    Column("half"),\n',
-        "        columns[_AT.waits, lane] = 1.0 if waits(world, agent, lane) else 0.0\n": (
-            "        columns[_AT.half, lane] = 0.5\n"
+        "        columns[_OWN_AT.waits, lane] = 1.0 if waits(world, agent, lane) else 0.0\n": (
+            "        columns[_OWN_AT.half, lane] = 0.5\n"
         ),
     },
     "neighbors.py": {
         '    *place_columns("chain_"),\n': '    Column("half"),\n',
-        "    columns[column + _AT.present, lane] = 1.0\n": (
-            "    columns[column + _AT.half, lane] = 0.5\n"
+        "    columns[column + _NEIGHBOR_AT.present, lane] = 1.0\n": (
+            "    columns[column + _NEIGHBOR_AT.half, lane] = 0.5\n"
         ),
     },
 }
