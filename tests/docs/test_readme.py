@@ -30,6 +30,16 @@ def test_the_commands_to_evaluate_run(command, tmp_path, capsys, monkeypatch):
     assert "goal 1 hit" in capsys.readouterr().out
 
 
+@pytest.mark.skipif(not COMPILED, reason="a hundred episodes")
+def test_policies_are_evaluated_from_python(tmp_path, capsys, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "mine.py").write_text(BLOCKS[1])
+    exec(compile(BLOCKS[2], "README.md", "exec"), {})
+    told = capsys.readouterr().out
+    assert told.startswith("|  | avoid_jack | mine:TurnToGoal |\n")
+    assert "| goal 2 hit |" in told
+
+
 def test_the_commands_to_watch_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")  # a window that nobody sees
