@@ -1,7 +1,7 @@
 """The command line: ``python -m baselines reproduce | evaluate | calibrate | watch``.
 
 The parameters of the policy and of the scenario that a command line names become its options, so
-the names are read first and the rest is left to tyro.
+the names are read first and the rest is left to tyro. A command imports its own modules alone.
 """
 
 import contextlib
@@ -28,18 +28,6 @@ from baselines.cli.run_options import (
 )
 from baselines.evaluation.executors import open_engine
 from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
-from baselines.experiments.calibrate import calibrate
-from baselines.experiments.reproduce import PAPER_EXPERIMENTS, reproduce
-from baselines.replay.trajectory import record_trajectory
-from baselines.replay.trajectory_files import load_trajectory, save_trajectory
-from baselines.replay.watch import (
-    check_display,
-    check_episode,
-    check_output,
-    check_pace,
-    name_with_changes,
-    show,
-)
 from baselines.storage.atomic_files import write_text
 from baselines.storage.locks import sole_user
 from hav_env import Explicit, find_scenario
@@ -92,6 +80,8 @@ def _dispatch(arguments: list[str]) -> None:
 
 
 def _reproduce(arguments: list[str]) -> None:
+    from baselines.experiments.reproduce import PAPER_EXPERIMENTS, reproduce  # noqa: PLC0415
+
     name, arguments = take_option(arguments, "--policy", "avoid_jack")
     vehicle, arguments = _take_vehicle(arguments)
     make = POLICIES.find(name)
@@ -157,6 +147,8 @@ def _evaluate(arguments: list[str]) -> None:
 
 
 def _calibrate(arguments: list[str]) -> None:
+    from baselines.experiments.calibrate import calibrate  # noqa: PLC0415
+
     options = _parse(
         "calibrate",
         arguments,
@@ -171,15 +163,19 @@ def _calibrate(arguments: list[str]) -> None:
 
 
 def _watch(arguments: list[str]) -> None:
+    from baselines.replay import watch  # noqa: PLC0415
+    from baselines.replay.trajectory import record_trajectory  # noqa: PLC0415
+    from baselines.replay.trajectory_files import load_trajectory, save_trajectory  # noqa: PLC0415
+
     words, arguments = take_words(arguments)
     if len(words) != 1 and not asks_for_help(arguments):
         raise ValueError(f"name what to watch: {POLICIES.known()} or a RUN.npz")
     if words and words[0].endswith(".npz"):
         options = _parse("watch", arguments, [], Display())
-        check_pace(options.speed, options.fps)
+        watch.check_pace(options.speed, options.fps)
         trajectory = load_trajectory(words[0])
-        check_display(options.output)
-        show(trajectory, options.output, options.speed, options.fps)
+        watch.check_display(options.output)
+        watch.show(trajectory, options.output, options.speed, options.fps)
         return
     scenario_name, arguments = take_option(arguments, "--scenario", "paper-single")
     vehicle, arguments = _take_vehicle(arguments)
@@ -190,13 +186,13 @@ def _watch(arguments: list[str]) -> None:
     policy = getattr(options, "policy", usual)
     scenario = getattr(options, "scenario", named)
     shown = options.output is not None or options.record is None
-    check_pace(options.speed, options.fps)
+    watch.check_pace(options.speed, options.fps)
     job = Experiments(policy, scenario, 1, options.seed, options.task, options.vehicle)
-    check_episode(job, options.episode, options.every)
+    watch.check_episode(job, options.episode, options.every)
     if options.record is not None:
-        check_output(options.record, (".npz",))
+        watch.check_output(options.record, (".npz",))
     if shown:
-        check_display(options.output)
+        watch.check_display(options.output)
     trajectory = record_trajectory(
         policy,
         scenario,
@@ -206,13 +202,13 @@ def _watch(arguments: list[str]) -> None:
         options.vehicle,
         options.every,
     )._replace(
-        policy=name_with_changes(words[0], policy, usual),
-        scenario=name_with_changes(scenario_name, scenario, named),
+        policy=watch.name_with_changes(words[0], policy, usual),
+        scenario=watch.name_with_changes(scenario_name, scenario, named),
     )
     if options.record is not None:
         save_trajectory(trajectory, options.record)
     if shown:
-        show(trajectory, options.output, options.speed, options.fps)
+        watch.show(trajectory, options.output, options.speed, options.fps)
 
 
 def _take_vehicle(arguments: list[str]) -> tuple[Any, list[str]]:

@@ -10,6 +10,7 @@ import functools
 import hashlib
 import inspect
 import pathlib
+import sys
 import types
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
@@ -24,6 +25,7 @@ KERNELS: dict[Callable, str] = {}
 
 _PROJECT = "hav_env"
 _ASIDE = ("hav_env.compiled.", "hav_env.models.")  # threads and checks change no result
+_HAS_DOCSTRING = 0x4000000  # flag CO_HAS_DOCSTRING of Python 3.14
 _DEEPEST = 4  # modules in modules, as in a.b.c.function
 # how kernels are compiled: a change here changes all compiled code
 _MACHINERY = ("compiler.py", "instructions.py", "kernels.py")
@@ -224,19 +226,16 @@ def _codes_in(code: types.CodeType) -> Iterable[types.CodeType]:
 
 def _constants_of(code: types.CodeType) -> Iterable[Any]:
     """Give the constants of a code but its docstring and what is inside."""
-    constants = code.co_consts
-    if code.co_flags & inspect.CO_NEWLOCALS and constants and isinstance(constants[0], str):
-        constants = constants[1:] if constants[0] not in _texts_used(code) else constants
-    return (value for value in constants if not isinstance(value, types.CodeType))
+    first = 1 if _has_docstring(code) else 0
+    return (value for value in code.co_consts[first:] if not isinstance(value, types.CodeType))
 
 
-@functools.cache
-def _texts_used(code: types.CodeType) -> frozenset[str]:
-    """Return the texts that the instructions of a code load: a docstring is never loaded."""
-    import dis  # noqa: PLC0415  # only for functions that begin with a text
-
-    loaded = (step.argval for step in dis.get_instructions(code) if step.opname.startswith("LOAD"))
-    return frozenset(value for value in loaded if isinstance(value, str))
+def _has_docstring(code: types.CodeType) -> bool:
+    """Tell whether the first constant is a docstring: that of "def" is, or it is None."""
+    if sys.version_info >= (3, 14):  # functions without one have no None in its place there
+        return bool(code.co_flags & _HAS_DOCSTRING)
+    made_by_def = bool(code.co_flags & inspect.CO_NEWLOCALS) and code.co_name[0] != "<"
+    return made_by_def and bool(code.co_consts) and isinstance(code.co_consts[0], str)
 
 
 def _is_filled(cell: Any) -> bool:

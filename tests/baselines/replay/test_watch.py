@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from baselines import __main__
 from baselines.__main__ import main
 from baselines.policies.avoid_jack import AvoidJack
+from baselines.replay import trajectory as recording
 from baselines.replay import video as films
 from baselines.replay.trajectory import Trajectory, record_trajectory
 from baselines.replay.trajectory_files import load_trajectory, save_trajectory
@@ -79,7 +79,7 @@ def test_a_page_holds_the_episode(tmp_path, capsys):
 def test_a_recorded_episode_is_shown_without_simulating(tmp_path, capsys, monkeypatch):
     pages = [tmp_path / name for name in ("first.html", "again.html")]
     assert run(capsys, *PAIR, "--output", pages[0], "--record", tmp_path / "run.npz")[0] == 0
-    monkeypatch.setattr(__main__, "record_trajectory", None)
+    monkeypatch.setattr(recording, "record_trajectory", None)
     assert run(capsys, "watch", tmp_path / "run.npz", "--output", pages[1])[0] == 0
     assert pages[0].read_bytes() == pages[1].read_bytes()
 
@@ -259,7 +259,7 @@ def test_a_missing_extra_is_named_before_anything_is_simulated(
 ):
     monkeypatch.setitem(sys.modules, "moviepy.video.io.ffmpeg_writer", None)
     monkeypatch.delitem(sys.modules, "baselines.replay.video")
-    monkeypatch.setattr(__main__, "record_trajectory", None)
+    monkeypatch.setattr(recording, "record_trajectory", None)
     code, _, err = run(capsys, *PAIR, *(word.format(tmp_path) for word in output))
     assert code == 2
     assert err == "error: films need moviepy: pip install 'hav_env[rendering]'\n"
