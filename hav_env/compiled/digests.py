@@ -139,8 +139,19 @@ class _Walk:
         elif hasattr(value, "py_func"):  # somebody's own numba.njit
             self._packages.add(_package_of(value.py_func))
             self._note(value.py_func)
-        elif is_model(value):
+        elif isinstance(value, tuple | list | set | frozenset | dict):
+            self._note_inside(value)
+        elif is_model(value):  # a dataclass
+            self._note_inside(values_of(value))
             self._note(type(value))
+
+    def _note_inside(self, value: Any) -> None:
+        """Follow what a container holds: functions in the entries of tables, for example."""
+        self._see(value)
+        if hasattr(value, "_fields"):
+            self._note(type(value))
+        for part in value.values() if isinstance(value, dict) else value:
+            self._note(part)
 
     def _note_function(self, function: types.FunctionType) -> None:
         wrapped = getattr(function, "__wrapped__", None)

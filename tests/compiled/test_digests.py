@@ -134,3 +134,32 @@ def test_models_that_choose_code_are_named():
     code = digest_code([rollout_worlds], [type(make_policy("avoid_jack")), OnAxle, Task, World])
     assert code.models == ("AvoidJack", "OnAxle")
     assert code.size > 10_000
+
+
+TABULATE = """
+    from typing import Any, NamedTuple
+
+
+    class Column(NamedTuple):
+        name: str
+        values: Any
+
+
+    COLUMNS = {"first": (Column("a", lambda rows: rows + 1.0), *[Column("b", max)])}
+
+
+    def tabulate(rows):
+        return {column.name: column.values(rows) for column in COLUMNS["first"]}
+"""
+
+
+def test_functions_in_tables_of_columns_count():
+    def digest_of(text):
+        found = {"__name__": "tables_of_mine"}
+        exec(compile(textwrap.dedent(text), "tables_of_mine.py", "exec"), found)
+        return digest_code([found["tabulate"]]).digest
+
+    one = digest_of(TABULATE)
+    assert one == digest_of(TABULATE.replace("COLUMNS =", "# a remark\n    COLUMNS ="))
+    assert one != digest_of(TABULATE.replace("rows + 1.0", "rows + 2.0"))
+    assert one != digest_of(TABULATE.replace('"b"', '"c"'))
