@@ -16,7 +16,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from benchmarks.tables import new_table, rate_text
 from benchmarks.turns import medians_in_turns
-from train.ppo import PRESETS, Arguments, make_learner, make_worlds
+from train.ppo import PPO_PRESETS, Arguments, make_learner, make_worlds
 
 
 class EmptyVecEnv(VecEnv):
@@ -92,7 +92,7 @@ def main(iterations: int = 3, repetitions: int = 5) -> None:
 
     runs = {}
     for name in ("single", "pair"):
-        arguments = dataclasses.replace(PRESETS[name], threads=1)
+        arguments = dataclasses.replace(PPO_PRESETS[name], threads=1)
         torch.set_num_threads(arguments.threads)
         for empty in (False, True):
             runs[name, empty] = prepare(arguments, empty, iterations)

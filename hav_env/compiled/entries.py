@@ -125,6 +125,8 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
             loop.compile(signature)
         except NumbaError as error:
             raise TypeError(explain(loop.py_func.__name__, error)) from None
+        except Exception as error:  # Numba fails inside, as on a NamedTuple's defaults
+            raise TypeError(explain(loop.py_func.__name__, error)) from error
         _ready.add(kinds)
 
 

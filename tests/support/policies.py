@@ -1,8 +1,4 @@
-"""Policies, a reward and a loop over lanes that exist to be tested with.
-
-They have a folder of their own because compiled loops are cached under the digest of the folders
-that policies come from: the tests themselves can then change without a new compilation.
-"""
+"""This module has policies, a reward and a loop over lanes that exist to be tested with."""
 
 import math
 from typing import NamedTuple
