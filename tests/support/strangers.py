@@ -1,4 +1,4 @@
-"""Archives as strangers craft them: ``python -m tests.support.strangers FOLDER`` opens all in a folder."""
+"""Archives as strangers craft them; ``python -m tests.support.strangers FOLDER`` opens a folder."""
 
 import io
 import json
