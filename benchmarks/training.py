@@ -25,6 +25,11 @@ class EmptyVecEnv(VecEnv):
     render_mode = None
 
     def __init__(self, like: VecEnv) -> None:
+        """Take the rows and spaces of other worlds.
+
+        Args:
+            like: the worlds to imitate.
+        """
         super().__init__(like.num_envs, like.observation_space, like.action_space)
         shape = (like.num_envs, *(like.observation_space.shape or ()))
         self._observation = np.random.default_rng(0).random(shape, np.float32)

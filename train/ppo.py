@@ -1,12 +1,11 @@
-"""Proximal policy optimization with one policy for all HAVs: ``python -m train.ppo --preset pair``.
+"""This module trains one policy for all HAVs by PPO: ``python -m train.ppo --preset pair``.
 
-Read from top to bottom: the arguments, the presets, the worlds, the learner, a run of it, the
-command line. What happens between iterations is in train/sb3/callback.py. The folder of a run holds
+It learns by Stable-Baselines3; train/sb3/callback.py acts between iterations. A run's folder holds
 
 * ``run.json``: arguments, versions, git revision;
-* ``best.policy``: the policy that did best on the held-out episodes, ``last.policy``: the latest;
+* ``best.policy``: the best policy on the held-out episodes, ``last.policy``: the latest;
 * ``curve.json``: every evaluation;
-* ``checkpoint.pt``: everything that it takes to go on as if nothing had happened;
+* ``checkpoint.pt``: everything that a resumed run needs to go on bit for bit;
 * TensorBoard's files: ``tensorboard --logdir FOLDER``.
 """
 

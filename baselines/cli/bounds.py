@@ -16,7 +16,8 @@ def check_whole(name: str, value: Any, least: int, most: int, more: str = "") ->
     Args:
         name: of the argument.
         value: what was given.
-        least, most: the bounds, both allowed.
+        least: the smallest number that is allowed.
+        most: the largest number that is allowed.
         more: is said after the bounds.
 
     Raises:

@@ -39,7 +39,8 @@ def read_options(
     """Let tyro build the options of a command.
 
     Args:
-        usage, description: what the help begins with.
+        usage: the command, with which the help begins.
+        description: the purpose of the command, for the help.
         arguments: the command line without what was taken from it.
         fields: (name, type), (name, type, default) or (name, type, default, help) of each option.
         common: further options with their defaults, an instance of a dataclass.

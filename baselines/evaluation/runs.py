@@ -46,7 +46,8 @@ def check_experiments(
     """Check experiments before anything is run or written.
 
     Args:
-        experiments: what to run; threads: how many.
+        experiments: the experiments to run.
+        threads: number of threads; None is ``HAV_THREADS`` or all cores.
         name: of the number of episodes, for the message.
 
     Raises:

@@ -23,7 +23,8 @@ def parse_options(
 
     Args:
         options_class: a dataclass or NamedTuple; its fields become the options.
-        program, description: stand in the help.
+        program: name of the program, for the help.
+        description: purpose of the program, for the help.
         arguments: the words of the command line.
         default: what the options are without any arguments.
 
@@ -58,7 +59,8 @@ def run_command(
     """Run what a command is for and print what it returns; what is wrong is said in one line.
 
     Args:
-        program, description: stand in the help.
+        program: name of the program, for the help.
+        description: purpose of the program, for the help.
         default: the options without any arguments.
         run: takes the options.
         words: of the command line, by default the process's.

@@ -101,7 +101,8 @@ def shortest_path(forward, left, heading, radius):
     """Return the shortest Dubins path to a goal pose in the frame of the start pose.
 
     Args:
-        forward, left: the goal's position [m].
+        forward: the goal's position along the start's heading [m].
+        left: the goal's position to the left of that [m].
         heading: the goal's heading less the start's [rad].
         radius: of all turns [m], positive.
 

@@ -83,9 +83,14 @@ def turn_outline(rows, outline, others, other, x, y, cosine, sine):
     """Write the outline round another one that is seen from a frame.
 
     Args:
-        rows, outline: where to write; it holds the other one and a little more.
-        others, other: rows and place of the other outline, in a frame of its own.
-        x, y, cosine, sine: where that frame is [m], and its heading.
+        rows: array to write the outline into; it holds the other one and a little more.
+        outline: index of its first row in ``rows``.
+        others: array that holds the other outline, in a frame of its own.
+        other: index of its first row in ``others``.
+        x: x of that frame's origin [m].
+        y: y of that frame's origin [m].
+        cosine: cosine of that frame's heading.
+        sine: sine of that frame's heading.
     """
     heading = atan2(sine, cosine)
     heading += TWO_PI if heading < 0.0 else 0.0

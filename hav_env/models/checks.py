@@ -33,7 +33,8 @@ def check_model(kind: str, model: Any, stub: Any) -> None:
 
     Args:
         kind: what it is to be, for the message.
-        model: one; stub: the generic kernel that its type must be registered with.
+        model: the model.
+        stub: the generic kernel with which its type must be registered.
 
     Raises:
         TypeError: when the type is not registered, or a field has a value of another kind.
@@ -79,7 +80,8 @@ def require(allowed: bool, kind: str, model: Any, field: str, rule: str) -> None
     Args:
         allowed: whether it is.
         kind: what the model is, for the message.
-        model: a NamedTuple; field: one of its fields.
+        model: a NamedTuple.
+        field: name of one of its fields.
         rule: what the value must be.
     """
     if not allowed:

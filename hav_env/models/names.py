@@ -42,7 +42,8 @@ class Registry:
         """Begin a registry, under which ``find_model`` finds models of this kind.
 
         Args:
-            kind, group: as above.
+            kind: kind of model, as errors call it.
+            group: group of the entry points that add names.
             is_registered: tells whether a class has a kernel.
             remedy: what the user does about a class that has none, for the message.
             built_in: models or classes of models, by name.

@@ -34,7 +34,9 @@ def act(
         policy: the parameters; their type selects the kernel.
         memory: (N, K, W); ``memory[agent, :, lane]`` is the HAV's own. It belongs to whoever runs
             the episode and is zero at its beginning.
-        world, agent, lane: to be read through ``hav_env.world.sensing`` only.
+        world: a block of worlds, to be read through ``hav_env.world.sensing`` only.
+        agent: number of the HAV.
+        lane: which world of the block.
     """
     raise NotImplementedError
 
@@ -53,8 +55,12 @@ def act_lanes(
     What is decided for HAVs that wait is ignored; their memory must not change.
 
     Args:
-        policy, memory, world, agent: as for ``act``.
-        speed: (N, W) [m/s] and steering: (N, W) [rad], of which row ``agent`` is to be written.
+        policy: the parameters; their type selects the kernel.
+        memory: (N, K, W); ``memory[agent]`` is the HAV's own in all lanes.
+        world: a block of worlds, to be read through ``hav_env.world.sensing`` only.
+        agent: number of the HAV.
+        speed: (N, W) speeds of the trucks [m/s]; the policy writes row ``agent``.
+        steering: (N, W) steering angles [rad]; the policy writes row ``agent``.
     """
 
 

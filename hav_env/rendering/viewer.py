@@ -41,7 +41,8 @@ class Viewer:
 
     Attributes:
         follow: which HAV the camera follows, None to see all.
-        trails, circles: whether they are drawn.
+        trails: whether the viewer draws trails.
+        circles: whether the viewer draws footprints as circles.
         closed: nothing is drawn any more, since ``close`` was called or the window was closed.
     """
 

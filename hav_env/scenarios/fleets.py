@@ -71,8 +71,10 @@ def draw_fleet(random_fleet, fleet, lane, key, draw):
 
     Args:
         random_fleet: a RandomFleet.
-        fleet: the arrays to be filled.
-        key: of the episode; draw: number of the first random number.
+        fleet: the arrays to fill.
+        lane: which world of the block.
+        key: key of the episode's random numbers, see ``scenario_key``.
+        draw: number of the first random number.
 
     Returns:
         The number of the next random number.
