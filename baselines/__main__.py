@@ -1,7 +1,7 @@
-"""The command line: ``python -m baselines reproduce | evaluate | calibrate | watch``.
+"""This module is the command line ``python -m baselines reproduce | evaluate | calibrate | watch``.
 
-The parameters of the policy and of the scenario that a command line names become its options, so
-the names are read first and the rest is left to tyro.
+The parameters of the policy and of the scenario in a command line become its options. So the module
+reads these two names first, and tyro reads the rest.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""How many steps of moving HAVs are simulated in a second, and what that is to compare with.
+"""This module measures throughput: steps of moving HAVs in a second, and yardsticks for them.
 
 ``python -m benchmarks.throughput`` prints the tables of benchmarks/README.md.
 """

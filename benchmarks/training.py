@@ -1,4 +1,4 @@
-"""How fast PPO trains, beside the same PPO on worlds that cost nothing.
+"""This module measures the speed of PPO, beside the same PPO on worlds that cost nothing.
 
 ``python -m benchmarks.training`` prints the table of benchmarks/README.md. Both learn in turns, so
 that a shared machine is as slow for one as for the other.

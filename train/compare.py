@@ -1,8 +1,8 @@
-"""Policies beside AVOID-JACK on the paper's episodes: ``python -m train.compare``.
+"""This module compares policies with AVOID-JACK, as in the paper: ``python -m train.compare``.
 
-For single HAVs and for pairs: a table of every figure with its 95 % interval and its paired
-difference from the first policy, the same as Parquet, bars, learning curves, and one episode as
-every policy drives it. An interrupted comparison goes on where it stopped.
+For single HAVs and for pairs it writes a table of every figure, the same as Parquet, bars, learning
+curves, and one episode under every policy. Each figure has its 95 % interval and its paired
+difference from the first policy. An interrupted comparison goes on where it stopped.
 """
 
 import dataclasses

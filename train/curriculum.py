@@ -1,4 +1,7 @@
-"""How training differs from what is scored: harm weighs less at first, long HAVs are more."""
+"""This module has the curriculum: training differs from scoring.
+
+Harm weighs less at first, and long HAVs are more frequent.
+"""
 
 from typing import Any, NamedTuple
 

@@ -1,4 +1,4 @@
-"""From what a training stack has learned to a policy that runs anywhere."""
+"""This module exports what a training stack has learned, as a policy that runs anywhere."""
 
 import numpy as np
 import torch

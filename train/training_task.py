@@ -1,4 +1,4 @@
-"""What is practised, whichever stack learns it."""
+"""This module states the training task for any stack: scenario, observation, reward."""
 
 from typing import Any, Protocol
 

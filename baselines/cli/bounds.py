@@ -1,4 +1,4 @@
-"""This module checks numbers of a command line: whole, and within what can be meant."""
+"""This module checks whole numbers of a command line, such as episodes and threads."""
 
 from typing import Annotated, Any
 

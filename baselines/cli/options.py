@@ -1,4 +1,4 @@
-"""The options of a command line, built from the parameters of the models that it names."""
+"""This module builds the options of a command line from the parameters of models."""
 
 import dataclasses
 from typing import Annotated, Any

@@ -1,4 +1,4 @@
-"""A progress bar for long runs, with their rate and the time that is left."""
+"""This module shows a progress bar with the rate and the time left."""
 
 import rich.progress
 from rich.console import Console

@@ -1,4 +1,4 @@
-"""Experiments on disk: written as they go, resumed, and never half a file."""
+"""This module runs evaluations on disk: it writes them in parts, and resumes them."""
 
 import contextlib
 import functools

@@ -1,6 +1,6 @@
-"""Reserve with less to go by: ``python -m baselines.experiments.reserve_ablations``.
+"""This module runs ablations of Reserve: ``python -m baselines.experiments.reserve_ablations``.
 
-The same episodes again, with all HAVs deciding at once, without broadcast, with less range, and
+The same episodes run again with all HAVs deciding at once, without broadcast, with less range, and
 with noise on the poses of others. An interrupted run goes on where it stopped.
 """
 

@@ -1,9 +1,8 @@
-"""All policies from one HAV to swarms: ``python -m baselines.experiments.survey``.
+"""This module surveys all policies, one HAV to swarms: ``python -m baselines.experiments.survey``.
 
-Every policy gets the same episodes, which no policy of this project was made with. Worlds that
-start with chains that touch, or with goals whose trucks would cross, are counted apart for every
-policy alike: there no policy can do all that is asked. An interrupted survey goes on where it
-stopped.
+Every policy gets the same episodes, which no policy of this project was made with. The survey
+counts apart the worlds that start with chains that touch, and those with goals whose trucks would
+cross. No policy can solve these. An interrupted survey goes on where it stopped.
 """
 
 import dataclasses

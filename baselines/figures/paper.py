@@ -1,4 +1,4 @@
-"""The figures of an evaluation: the paper's histograms, and episodes that stand for many."""
+"""This module draws an evaluation: the paper's histograms, and representative episodes."""
 
 import math
 import os

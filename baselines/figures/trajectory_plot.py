@@ -1,4 +1,4 @@
-"""Drawings of the plane, to scale, and the sheet that all figures are drawn on and saved from."""
+"""This module plots trajectories to scale, and lays out and saves the sheet of a figure."""
 
 import os
 import pathlib

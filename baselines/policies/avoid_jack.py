@@ -1,4 +1,4 @@
-"""AVOID-JACK, the paper's policy: goal attraction, jackknife repulsion, mutual evasion."""
+"""This module is AVOID-JACK, the paper's policy: goal attraction, jackknife repulsion, evasion."""
 
 import math
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Trained policies as files: everything that a policy needs to act, and how it came to be."""
+"""This module saves and loads trained policies: weights, normalizer, settings and provenance."""
 
 import json
 import pathlib

@@ -1,4 +1,4 @@
-"""A trained policy: a multilayer perceptron from what a HAV observes to its speed and steering."""
+"""This module is a trained policy: a multilayer perceptron from observations to actions."""
 
 import itertools
 from collections.abc import Sequence

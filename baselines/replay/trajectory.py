@@ -1,4 +1,4 @@
-"""One episode again, with everything that happened on the way."""
+"""This module records the trajectory of one episode: poses, actions, events."""
 
 from typing import NamedTuple
 

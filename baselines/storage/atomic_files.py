@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""This module writes files atomically: whole or not at all."""
 
 import contextlib
 import hashlib

@@ -1,4 +1,4 @@
-"""What is wanted of the environments, beside what was measured."""
+"""This module compares the measured speed of the environments with the aims."""
 
 from collections.abc import Callable
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""The faces of the simulator that learners step, and what measures each."""
+"""This module lists the interfaces that learners step, and prepares the measurement of each."""
 
 import importlib.util
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""The HAV that the yardsticks drive, by which rules, and what they report of it.
+"""This module states the HAV of the yardsticks, its rules, and the report on it.
 
 Values are pinned here, so that the work stays the same when the project's defaults change.
 """

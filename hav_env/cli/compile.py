@@ -1,6 +1,6 @@
 """This module compiles ahead of time: it runs every policy, scenario and environment for a step.
 
-Compiled code is kept on disk, so that whatever is run later starts at once.
+The disk keeps compiled code, so that later runs start at once.
 """
 
 import concurrent.futures

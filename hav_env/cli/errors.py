@@ -1,4 +1,4 @@
-"""This module runs commands; it says in one line what went wrong, and returns the exit code."""
+"""This module runs commands, reports errors in one line, and returns the exit code."""
 
 import sys
 from collections.abc import Callable

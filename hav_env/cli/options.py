@@ -1,4 +1,4 @@
-"""Options from a command line, by tyro; what is wrong with them becomes one line."""
+"""This module reads options from a command line by tyro, and reports mistakes in one line."""
 
 import contextlib
 import io

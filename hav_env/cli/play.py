@@ -1,4 +1,4 @@
-"""Drive one HAV by keyboard among others that a policy drives.
+"""This module lets you drive one HAV by keyboard among others that a policy drives.
 
 Keys: up and down (W and S) change the speed, left and right (A and D) steer, R begins a new
 episode, escape ends. Those of the window are in ``hav_env.rendering.viewer``.

@@ -1,4 +1,4 @@
-"""Where compiled code may be kept: a folder to which nobody else can write."""
+"""This module chooses the folder of compiled code, to which nobody else can write."""
 
 import functools
 import logging

@@ -1,4 +1,4 @@
-"""Numba's compiler, told to compile kernels as parts of entries, once, for the widest vectors."""
+"""This module configures Numba's compiler: kernels as parts of entries, and the widest vectors."""
 
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder

@@ -1,9 +1,8 @@
-"""This module digests code: all functions that compiled code, or a table of results, depends on.
+"""This module digests all functions that compiled code, or a table of results, depends on.
 
 The digest covers bytecode, constants and the values of global names, function by function, wherever
-the code that is digested leads. Comments, docstrings and line numbers leave it as it is, and so
-does every function that is not reached. Of a generic kernel only the implementations for the
-models at hand count.
+the code leads. It does not depend on comments, docstrings, line numbers or functions that the code
+does not reach. Of a generic kernel only the implementations for the models at hand count.
 """
 
 import functools

@@ -1,4 +1,7 @@
-"""Gymnasium's single environments: HAVSwarm-v0, all HAVs as one actor; HAVSingle-v0, one HAV."""
+"""This module has Gymnasium's environments HAVSwarm-v0 and HAVSingle-v0.
+
+In HAVSwarm-v0 all HAVs are one actor. In HAVSingle-v0 there is one HAV.
+"""
 
 from typing import Any, Unpack
 

@@ -1,4 +1,4 @@
-"""Gymnasium's vector environments: W compiled worlds, stepped together."""
+"""This module has Gymnasium's vector environments: W compiled worlds, stepped together."""
 
 import numbers
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Where environments show their worlds: pygame is loaded by those that draw, and by no others."""
+"""This module renders environments, and imports pygame only for those that draw."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""One world for environments that step one: its episodes, what may be written into it, pictures."""
+"""This module steps one world for environments: its resets, their options, its pictures."""
 
 import copy
 from collections.abc import Mapping

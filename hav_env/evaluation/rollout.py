@@ -1,4 +1,4 @@
-"""Whole episodes in a closed loop, compiled, and the table of what happened in them."""
+"""This module runs rollouts: whole compiled episodes of a policy, and the table of them."""
 
 import functools
 import os

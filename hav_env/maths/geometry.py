@@ -1,4 +1,4 @@
-"""Plane geometry on floats: angles, frames and segments."""
+"""This module computes plane geometry on floats: angles, frames, segments, hulls."""
 
 import math
 

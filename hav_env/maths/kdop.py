@@ -1,11 +1,11 @@
-"""Outlines: convex polygons told by how far they extend in 24 directions.
+"""This module makes outlines (k-DOPs): convex polygons, told by their extent in 24 directions.
 
 An outline stands in ``SIDES`` rows of an array: entry k is the largest value of
-x cos(a) + y sin(a) [m] over all points that were included, at the angle a of side k. It holds all
-their convex combinations, and of a disc of radius r little more than the disc, 0.9 % of r at its
-corners. What was included touches every side, so that neighbouring sides meet in the corners.
+x cos(a) + y sin(a) [m] over all included points, at the angle a of side k. It holds all their
+convex combinations. Of a disc of radius r it holds little more than the disc, 0.9 % of r at its
+corners. The included points touch every side, so that neighbouring sides meet in the corners.
 
-Functions work on a slice of the rows, for then compiled code knows that no place is negative.
+Functions work on a slice of the rows, so that compiled code knows that no place is negative.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""One action in a range of worlds, and what it led to: compiled."""
+"""This module advances a range of worlds by one action, compiled, and records the outcome."""
 
 from typing import NamedTuple
 

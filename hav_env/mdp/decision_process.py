@@ -1,6 +1,6 @@
-"""The decision process that learners see: actions in; observations, rewards, ends, reports out.
+"""This module is the decision process of learners: actions, observations, rewards, ends, reports.
 
-Every environment is a face of it; a single environment is a decision process of one world.
+Every environment is a face of it. A single environment is a decision process of one world.
 """
 
 import warnings

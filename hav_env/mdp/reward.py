@@ -1,7 +1,7 @@
-"""What a learner is rewarded for: named terms with weights, each reported under its name.
+"""This module computes rewards: named terms with weights, each reported under its name.
 
-A reward is a NamedTuple of weights whose type selects the kernel that works out its terms: the
-field ``progress`` is the weight of the term of that name. A HAV that waits gets nothing.
+A reward is a NamedTuple of weights. Its type selects the kernel that works out its terms. The field
+``progress`` is the weight of the term of that name. A HAV that waits gets nothing.
 """
 
 import functools

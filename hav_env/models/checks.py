@@ -1,7 +1,7 @@
 """This module checks the fields of models by their annotations: kinds, ranges, allowed words.
 
-Ranges stand beside the fields, as in ``share: Annotated[float, Range(0.0, 1.0)]``. Models from
-outside the package profit alike: plain numbers must be finite.
+Ranges stand beside the fields, as in ``share: Annotated[float, Range(0.0, 1.0)]``. The module also
+checks models from outside the package: their plain numbers must be finite.
 """
 
 import functools

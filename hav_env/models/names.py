@@ -1,6 +1,6 @@
 """This module finds models by name: built-in names, entry points, files and ``module:Class``.
 
-Every kind of model has a registry of its own, and all are asked by ``find_model``. A package of
+Every kind of model has a registry of its own, and ``find_model`` asks all of them. A package of
 your own registers names in its pyproject.toml, where the group is the registry's::
 
     [project.entry-points."hav_env.policies"]

@@ -1,4 +1,4 @@
-"""This module makes text safe to be shown: names may hold line breaks and escape sequences."""
+"""This module makes text safe to show: names may hold line breaks and escape sequences."""
 
 
 def visible(text: str) -> str:

@@ -1,4 +1,4 @@
-"""The layout of a row: which groups of columns it has, and in which order."""
+"""This module lays out an observation: its groups of columns and their order."""
 
 from typing import NamedTuple
 

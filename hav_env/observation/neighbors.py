@@ -1,4 +1,4 @@
-"""The columns of the nearest neighbours of a HAV."""
+"""This module observes a HAV's nearest neighbours: the columns that describe them."""
 
 import math
 

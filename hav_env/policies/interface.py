@@ -1,4 +1,7 @@
-"""What a policy is: a NamedTuple of parameters, and a kernel that acts on what one HAV senses."""
+"""This module defines policies: parameters, and a kernel that acts on what one HAV senses.
+
+It checks policies, allocates their memory, and lets HAVs hear the memory of others.
+"""
 
 import functools
 from collections.abc import Callable

@@ -1,6 +1,7 @@
-"""The visible state of one world at one moment, apart from the simulator and from any drawing.
+"""This module defines the scene: the visible state of one world at one moment.
 
-Shapes as in ``hav_env.world.arrays``: N HAVs, U units of a HAV.
+A scene needs neither the simulator nor a drawing. Shapes are as in ``hav_env.world.arrays``: N
+HAVs, U units of a HAV.
 """
 
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""A column: one HAV behind the other, straight on."""
+"""This module has the scenario of a column: one HAV behind the other, straight on."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,7 @@
-"""A crossing: everybody stands on a circle and must go through its centre to the other side."""
+"""This module has the scenario of a crossing.
+
+All HAVs stand on a circle and must go through its centre to the other side.
+"""
 
 import math
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""A scenario that is written down: given lengths, start poses and goal poses."""
+"""This module has scenarios that are written down: given lengths, start poses and goal poses."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Random fleets, the paper's section V: trucks and trailers, their lengths and limits."""
+"""This module draws random fleets, the paper's section V: units, lengths, limits."""
 
 import math
 from typing import NamedTuple

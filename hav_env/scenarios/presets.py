@@ -1,4 +1,4 @@
-"""The names of scenarios, for papers to cite: what a name stands for does not change.
+"""This module names scenarios, for papers to cite; the meaning of a name does not change.
 
 | name | scenario |
 |---|---|

@@ -1,4 +1,4 @@
-"""The paper's scenario, section V: random fleets, random start poses, random goal poses."""
+"""This module has the paper's scenario, section V: random fleets, start poses and goal poses."""
 
 import math
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""This module checks what a scenario was written down with: lists of numbers, lengths, poses."""
+"""This module checks numbers of scenarios that are written down: lists, lengths, poses."""
 
 import math
 from collections.abc import Sequence

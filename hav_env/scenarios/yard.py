@@ -1,4 +1,7 @@
-"""A yard: rows of bays beside each other; everybody leaves one bay for a random one opposite."""
+"""This module has the scenario of a yard: rows of bays beside each other.
+
+Each HAV leaves one bay for a random one opposite.
+"""
 
 import math
 from typing import NamedTuple

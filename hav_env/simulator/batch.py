@@ -1,4 +1,4 @@
-"""A batch of worlds that share a scenario: owns the arrays; reset and step."""
+"""This module has a batch of worlds that share a scenario: it owns the arrays, resets and steps."""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""One step of a block of worlds: the whole decision process on one screen."""
+"""This module steps a block of worlds, and begins and ends their episodes.
+
+It is the whole transition of the decision process: motion, events, goals, time.
+"""
 
 from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.geometry import clip

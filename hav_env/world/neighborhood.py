@@ -1,4 +1,7 @@
-"""Who is within sensing range of whom, without looking at all pairs of a large swarm."""
+"""This module finds the neighbours of each HAV within sensing range.
+
+In large swarms it searches the cells of a grid, not all pairs.
+"""
 
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import floor

@@ -1,4 +1,4 @@
-"""The arguments of ``train.rllib`` and their presets."""
+"""This module declares the arguments of ``train.rllib`` and their presets."""
 
 import dataclasses
 import pathlib

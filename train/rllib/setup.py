@@ -1,4 +1,4 @@
-"""What RLlib is given: the swarm as its environment, the network, the configuration of PPO."""
+"""This module sets RLlib up: the swarm as its environment, the network, the settings of PPO."""
 
 import dataclasses
 from typing import Any
