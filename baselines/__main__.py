@@ -65,7 +65,7 @@ _NAMES = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run a command; return the exit code. What is wrong is said in one line."""
+    """Run a command, report an error in one line, and return the exit code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     resumed = "the same command goes on where this one stopped"
     hint = "nothing is half written" if arguments[:1] == ["watch"] else resumed

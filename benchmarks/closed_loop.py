@@ -28,7 +28,7 @@ _ROOT = pathlib.Path(__file__).parents[1]
 
 
 class Workload(NamedTuple):
-    """What one row of the table runs."""
+    """The workload of one row of the table."""
 
     scenario: Any
     num_episodes: int

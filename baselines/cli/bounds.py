@@ -14,11 +14,11 @@ def check_whole(name: str, value: Any, least: int, most: int, more: str = "") ->
     """Check a whole number.
 
     Args:
-        name: of the argument.
-        value: what was given.
+        name: name of the argument.
+        value: value that the user gave.
         least: the smallest number that is allowed.
         most: the largest number that is allowed.
-        more: is said after the bounds.
+        more: text to add behind the bounds.
 
     Raises:
         TypeError: when it is no whole number.

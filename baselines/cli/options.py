@@ -29,7 +29,7 @@ def take_words(arguments: list[str]) -> tuple[list[str], list[str]]:
 
 
 def asks_for_help(arguments: list[str]) -> bool:
-    """Tell whether a command is asked for its help."""
+    """Tell whether the arguments of a command ask for its help."""
     return bool({"-h", "--help"} & set(arguments))
 
 

@@ -17,7 +17,7 @@ ENTRIES = (Entry("paper-pair", 1_000), Entry("swarm-10", 100), Entry("dense-10",
 
 
 class Variant(NamedTuple):
-    """What is different."""
+    """A variant of Reserve: the changes to its parameters and rules."""
 
     name: str
     policy: Reserve = Reserve()
@@ -43,7 +43,7 @@ VARIANTS = (
 
 
 def main(words: list[str] | None = None) -> int:
-    """Run the variants; return the exit code. What is wrong is said in one line."""
+    """Run the variants, report an error in one line, and return the exit code."""
     usage, about = (
         "python -m baselines.experiments.reserve_ablations",
         "Reserve with less to go by.",

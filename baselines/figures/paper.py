@@ -177,7 +177,7 @@ def draw_all(
         single: table of ``rollout`` with one HAV per episode.
         pair: the same with two.
         folder: made when it does not exist; files in it are replaced.
-        policy: what both tables come from, as the rest; chosen episodes are run again.
+        policy: policy of both tables; chosen episodes run again.
         scenario_single: of the first table.
         scenario_pair: of the second table.
         seed: of the episodes.

@@ -64,7 +64,7 @@ def save_figure(
     """Write name.png and name.svg, each whole or not at all; equal figures give equal bytes.
 
     Args:
-        figure: what to write.
+        figure: figure to write.
         folder: where to; it is made.
         name: of the files, without a suffix.
         kinds: which of the two files.

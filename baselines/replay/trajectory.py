@@ -65,7 +65,7 @@ def record_trajectory(
 
     Args:
         policy: drives every HAV.
-        scenario: what the world is.
+        scenario: scenario of the world.
         seed: of the episode.
         episode: its number.
         task: the rules.

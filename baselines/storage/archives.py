@@ -22,7 +22,7 @@ _END_SIZE, _LARGE_SIZE = 22, 20  # [bytes]
 
 
 class Head(NamedTuple):
-    """What an array is, as the first bytes of its file tell."""
+    """The type and shape of an array, as the first bytes of its file tell."""
 
     shape: tuple[int, ...]
     columns_first: bool  # Fortran's order

@@ -34,7 +34,7 @@ SPEED = min(  # [m/s]
 
 
 class Outcome(NamedTuple):
-    """Where a HAV is after some steps, and what has happened to it."""
+    """The pose of a HAV after some steps, its goals and its jackknife."""
 
     x: float  # of the truck's rear axle [m]
     y: float

@@ -17,12 +17,12 @@ from hav_env.scenarios.presets import SCENARIOS
 
 @dataclasses.dataclass
 class Compile:
-    """What is compiled, and how."""
+    """The options of compiling ahead of time."""
 
     policies: tuple[str, ...] = ()
     """Names, files, or module:Class; by default all that have a name."""
     processes: int | None = None
-    """How many compile at a time; by default HAV_THREADS or all cores."""
+    """Number of processes that compile at a time; by default HAV_THREADS or all cores."""
 
 
 def compile_all(options: Compile) -> None:

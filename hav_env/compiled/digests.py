@@ -19,7 +19,7 @@ from hav_env.compiled.stable_text import name_of, stable_text
 from hav_env.models.annotations import is_model, values_of
 
 KERNELS: dict[Callable, str] = {}
-"""How each kernel is compiled; code that calls one is followed into it, wherever it is from."""
+"""Options of each kernel; code that calls one is followed into it, wherever it is from."""
 
 _PROJECT = "hav_env"
 _ASIDE = ("hav_env.compiled.", "hav_env.models.")  # threads and checks change no result
@@ -29,7 +29,7 @@ _MACHINERY = ("compiler.py", "instructions.py", "kernels.py")
 
 
 class Code(NamedTuple):
-    """What was found on the way through the code."""
+    """The findings on the way through the code."""
 
     digest: str
     """SHA-256 of all of it, in hexadecimal."""

@@ -51,7 +51,7 @@ class DiskCache(NullCache):
     def load_overload(self, sig: tuple, target_context: Any) -> Any:
         """Return the compiled form for a signature; None if there is none, or a broken one.
 
-        What is broken is removed, so that it is compiled and kept anew.
+        It removes a broken one, so that Numba compiles it anew.
         """
         target_context.refresh()
         index = self._index(sig, target_context.codegen())

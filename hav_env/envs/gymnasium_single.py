@@ -17,7 +17,7 @@ from hav_env.mdp.decision_process import Settings
 
 
 class _WorldEnv(OfOneWorld, gym.Env):
-    """What both environments share."""
+    """The common part of both environments."""
 
     metadata: dict[str, Any] = {"render_modes": ENV_RENDER_MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
 

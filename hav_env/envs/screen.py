@@ -13,7 +13,7 @@ _DRAWN = ("human", "rgb_array")
 
 
 class Screen:
-    """Shows the worlds of a batch in one mode, with a viewer for each that is asked for."""
+    """Shows the worlds of a batch in one mode, with a viewer for each world that it shows."""
 
     def __init__(
         self, render_mode: str | None, batch: Batch, modes: list[str] = ENV_RENDER_MODES

@@ -89,8 +89,8 @@ class DecisionProcess:
             num_havs: N, if it is to be another than the scenario's.
             task: the rules.
             vehicle: the kinematics: a model, or its name or ``module:Class``.
-            observation: what learners see.
-            reward: what learners get: a model, or its name or ``module:Class``.
+            observation: observation of the learners.
+            reward: reward of the learners: a model, or its name or ``module:Class``.
             frame_skip: for how many steps of the simulator an action is held.
             threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
             rules: rules of the task that are to be others: ``max_steps``, ``on_goal``, ...

@@ -32,7 +32,7 @@ def check_model(kind: str, model: Any, stub: Any) -> None:
     """Check a model whose type selects a kernel.
 
     Args:
-        kind: what it is to be, for the message.
+        kind: kind of model, for the message.
         model: the model.
         stub: the generic kernel with which its type must be registered.
 
@@ -50,7 +50,7 @@ def check_fields(kind: str, model: Any) -> None:
     """Check all fields of a model by their annotations, then what they must be to each other.
 
     Args:
-        kind: what the model is, for the message; a model in a field goes by the field's name.
+        kind: kind of model, for the message; a model in a field goes by the field's name.
         model: a NamedTuple or a dataclass.
 
     Raises:
@@ -79,10 +79,10 @@ def require(allowed: bool, kind: str, model: Any, field: str, rule: str) -> None
 
     Args:
         allowed: whether it is.
-        kind: what the model is, for the message.
+        kind: kind of model, for the message.
         model: a NamedTuple.
         field: name of one of its fields.
-        rule: what the value must be.
+        rule: the rule for the value.
     """
     if not allowed:
         raise ValueError(
@@ -96,7 +96,7 @@ def check_value(name: str, kind: Any, value: Any) -> None:
     Args:
         name: of the argument, for the message.
         kind: an annotation, ``Annotated`` where a range is stated.
-        value: what was given.
+        value: value that the user gave.
 
     Raises:
         TypeError: when the value is of another kind.

@@ -45,7 +45,7 @@ class Registry:
             kind: kind of model, as errors call it.
             group: group of the entry points that add names.
             is_registered: tells whether a class has a kernel.
-            remedy: what the user does about a class that has none, for the message.
+            remedy: advice to the user about a class that has none, for the message.
             built_in: models or classes of models, by name.
             readers: functions that read a model from a file, by the file's suffix.
         """

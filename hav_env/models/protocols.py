@@ -29,7 +29,7 @@ class RewardTerms(Model, Protocol):
 
 
 class FleetLimits(Protocol):
-    """What holds for all HAVs that a scenario can bring."""
+    """The limits of all HAVs that a scenario can bring."""
 
     @property
     def min_length(self) -> float:

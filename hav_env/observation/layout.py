@@ -16,7 +16,7 @@ FIRST_OF_ROUTE, FIRST_OF_UNITS = len(ITSELF), len(ITSELF) + len(ROUTE)
 
 
 class Observation(NamedTuple):
-    """How much of its surroundings a learner sees."""
+    """The parts of its surroundings that a learner observes."""
 
     neighbors: Neighbors = 4
     """K, of how many HAVs in sensing range, nearest first; never more than there are others."""

@@ -55,7 +55,7 @@ def act_lanes(
 ) -> None:
     """Decide for one HAV in every lane of a block of worlds.
 
-    What is decided for HAVs that wait is ignored; their memory must not change.
+    The simulator ignores decisions for HAVs that wait. Their memory must not change.
 
     Args:
         policy: the parameters; their type selects the kernel.
@@ -79,7 +79,7 @@ def act_one_by_one(policy, memory, world, agent, speed, steering):
 def act_all(policy, memory, world, speed, steering, first_agent):
     """Let the HAVs of a block of worlds from one on decide, (N, W) each.
 
-    What is written for a HAV that waits is void.
+    Values for a HAV that waits are void.
     """
     for hav in range(first_agent, speed.shape[0]):
         agent = fixed(hav)
@@ -257,7 +257,7 @@ def decide(
     Args:
         policy: a registered policy.
         memory: from ``allocate_memory``, kept from step to step, written to.
-        batch: what is sensed; pass the result to ``batch.step``.
+        batch: the worlds that HAVs sense; pass the result to ``batch.step``.
         first_agent: the first HAV that the policy acts for.
     """
     speed, steering = np.zeros((2, *batch.worlds.state.x.shape))

@@ -128,7 +128,7 @@ class Canvas:
         """Write a line.
 
         Args:
-            text: what to write.
+            text: text to write.
             place: where its anchor lies.
             size: height of the font.
             color: of the letters.

@@ -22,9 +22,9 @@ class Crossing(NamedTuple):
     """
 
     num_havs: Havs = 2
-    """How many HAVs meet at the centre."""
+    """Number of HAVs that meet at the centre."""
     num_goals: Goals = 1
-    """How many times each HAV crosses."""
+    """Number of times that each HAV crosses."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
     gap: Gap = 20.0

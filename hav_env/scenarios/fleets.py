@@ -23,7 +23,7 @@ _MOST_DRAWS = 10_000  # of one length or count, before the limits are held to be
 
 
 class RandomFleet(NamedTuple):
-    """How the HAVs of an episode are drawn; the defaults are the paper's."""
+    """The distributions of the HAVs of an episode; the defaults are the paper's."""
 
     min_trailers: Trailers = 1
     max_trailers: Trailers = 10

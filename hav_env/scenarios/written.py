@@ -17,7 +17,7 @@ def read_numbers(name: str, value: Any, depth: int) -> list:
 
     Args:
         name: of the argument, for the message.
-        value: what was given.
+        value: value that the user gave.
         depth: how many lists a number stands in.
 
     Raises:

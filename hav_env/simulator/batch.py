@@ -155,7 +155,7 @@ class Batch:
 
     @property
     def num_threads(self) -> int:
-        """How many threads are worth their while."""
+        """Number of threads that are worth their while."""
         most = max(1, self.worlds.state.x.size // _FEWEST)
         return min(self.threads or default_threads(), most)
 

@@ -141,7 +141,7 @@ def _begin_phase(world, lane, phase):
 def remove_arrived(task, world):
     """Let HAVs that have hit their last goals leave, if that is the rule; each to its own place.
 
-    Whoever takes an action calls this first, so that what an action led to is seen before.
+    The caller that takes an action calls this first, so that users see its outcome before.
     """
     if task.on_goal == REMOVE:
         _remove_arrived(task, world)

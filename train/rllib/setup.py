@@ -78,7 +78,7 @@ class HAVMultiAgentEnv(MultiAgentEnv):
 
 
 class HAVModule(DefaultPPOTorchRLModule):
-    """RLlib's own network, which begins with actions near zero and the deviation that it is told.
+    """RLlib's own network, which begins with actions near zero and a given deviation.
 
     ``model_config`` is RLlib's as a dictionary, with ``deviation``.
     """

@@ -129,7 +129,7 @@ def read_arguments(words: list[str]) -> Arguments:
 
 
 def main(words: list[str] | None = None) -> int:
-    """Train; return the exit code. What is wrong is said in one line."""
+    """Train, report an error in one line, and return the exit code."""
     logging.basicConfig(format="%(message)s")
     torch.set_num_threads(1)
     hint = "the folder of the run keeps the policies so far"
