@@ -1,0 +1,1 @@
+"""This package runs, evaluates and replays policies: AVOID-JACK, Reserve, trained networks."""

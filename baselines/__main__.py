@@ -1,7 +1,7 @@
-"""The command line: ``python -m baselines reproduce | evaluate | calibrate | watch``.
+"""This module is the command line ``python -m baselines reproduce | evaluate | calibrate | watch``.
 
-The parameters of the policy and of the scenario that a command line names become its options, so
-the names are read first and the rest is left to tyro. A command imports its own modules alone.
+The parameters of the policy and of the scenario in a command line become its options. So the module
+reads these two names first, and tyro reads the rest. A command imports its own modules alone.
 """
 
 import contextlib
@@ -53,7 +53,7 @@ _NAMES = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run a command; return the exit code. What is wrong is said in one line."""
+    """Run a command, report an error in one line, and return the exit code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     resumed = "the same command goes on where this one stopped"
     hint = "nothing is half written" if arguments[:1] == ["watch"] else resumed

@@ -1,8 +1,8 @@
-"""The workloads of the benchmark, and a process that runs them on demand.
+"""This module runs the workloads of the benchmark, in a process that waits for orders.
 
 ``python benchmarks/closed_loop.py`` reads JSON lists of name, threads and share, one on a line, and
-answers each with HAV-steps/s. It uses what every version of hav_env has, so it measures an earlier
-one as well, when the folder with that one comes first on the path.
+answers each with HAV-steps/s. It uses only names that every version of hav_env has. So it measures
+an earlier version as well, if that one's folder comes first on the path.
 """
 
 import json
@@ -28,7 +28,7 @@ _ROOT = pathlib.Path(__file__).parents[1]
 
 
 class Workload(NamedTuple):
-    """What one row of the table runs."""
+    """The workload of one row of the table."""
 
     scenario: Any
     num_episodes: int

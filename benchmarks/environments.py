@@ -1,4 +1,4 @@
-"""How fast the environments step, beside those of others and beside environments that do nothing.
+"""This module measures how fast the environments step, beside others and beside empty ones.
 
 ``python -m benchmarks.environments`` prints the tables of benchmarks/README.md.
 """

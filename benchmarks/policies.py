@@ -1,7 +1,7 @@
-"""What a step of one HAV costs under each policy: ``python -m benchmarks.policies``.
+"""This module measures a step of one HAV under each policy: ``python -m benchmarks.policies``.
 
-Whole episodes of each policy in turn, on one thread, in time of the processor: simulation, records
-and policy. HAVs that wait count in the first figure, and not in the second.
+It runs whole episodes of each policy in turn, on one thread, in time of the processor: simulation,
+records and policy. HAVs that wait count in the first figure, and not in the second.
 """
 
 import time

@@ -1,4 +1,4 @@
-"""Tables of figures: rows and columns from keys, numbers as text."""
+"""This module writes tables of figures: rows and columns from keys, numbers as text."""
 
 from rich.table import Table
 

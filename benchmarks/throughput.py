@@ -1,4 +1,4 @@
-"""How many steps of moving HAVs are simulated in a second, and what that is to compare with.
+"""This module measures throughput: steps of moving HAVs in a second, and yardsticks for them.
 
 ``python -m benchmarks.throughput`` prints the tables of benchmarks/README.md.
 """
@@ -37,7 +37,7 @@ _TRAILERS = {"1 trailer": 1, "5 trailers": 5, "10 trailers": 10, _MIX: None}
 
 
 class Figures(NamedTuple):
-    """What one run of the benchmark measured, HAV-steps/s but for the last three."""
+    """The figures of one run of the benchmark, HAV-steps/s but for the last three."""
 
     closed_loop: dict[str, dict[str, float]]  # row -> "1 thread", "2 threads", "scalar"
     limits: dict[str, dict[str, float]]  # trailers -> "kinematics", "C++ kinematics", "C++ ..."

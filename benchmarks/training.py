@@ -1,4 +1,4 @@
-"""How fast PPO trains, beside the same PPO on worlds that cost nothing.
+"""This module measures the speed of PPO, beside the same PPO on worlds that cost nothing.
 
 ``python -m benchmarks.training`` prints the table of benchmarks/README.md. Both learn in turns, so
 that a shared machine is as slow for one as for the other.
@@ -25,6 +25,11 @@ class EmptyVecEnv(VecEnv):
     render_mode = None
 
     def __init__(self, like: VecEnv) -> None:
+        """Take the rows and spaces of other worlds.
+
+        Args:
+            like: the worlds to imitate.
+        """
         super().__init__(like.num_envs, like.observation_space, like.action_space)
         shape = (like.num_envs, *(like.observation_space.shape or ()))
         self._observation = np.random.default_rng(0).random(shape, np.float32)

@@ -1,4 +1,7 @@
-"""Measuring in turns: machines are shared, so what is compared is measured close in time."""
+"""This module measures in turns.
+
+Machines are shared, so it measures close in time what a table compares.
+"""
 
 import statistics
 from collections.abc import Callable, Mapping

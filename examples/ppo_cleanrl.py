@@ -1,15 +1,15 @@
-"""PPO in one file, in the style of CleanRL: own loop, native vector environment, policy file.
+"""This module is PPO in one file, in the style of CleanRL, on the native vector environment.
 
     python examples/ppo_cleanrl.py --steps 2000000 --output reacher.policy
     python -m baselines evaluate reacher.policy
 
-Read from top to bottom. One HAV, ``HAVSingle-v0``; the loop needs PyTorch and nothing else. Two
-things are easy to get wrong and are done right here:
+Read it from top to bottom. One HAV drives, in ``HAVSingle-v0``. The loop needs PyTorch and nothing
+else. Two things are easy to get wrong and are right here:
 
-* with next-step autoreset, the step after the end of an episode only begins the next one: its
-  action had no effect, so nothing is learned from it;
-* an episode that is truncated goes on without us: its advantages start from the value of the last
-  observation, while those of one that is terminated start from zero.
+* With next-step autoreset, the step after the end of an episode only begins the next one. Its
+  action had no effect, so the learner ignores it.
+* A truncated episode goes on without us: its advantages start from the value of the last
+  observation, while those of a terminated one start from zero.
 """
 
 import dataclasses

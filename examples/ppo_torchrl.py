@@ -1,11 +1,11 @@
-"""PPO on TorchRL: PettingZooWrapper, the group ``hav``, one actor that all HAVs share.
+"""This module is PPO on TorchRL: PettingZooWrapper, the group ``hav``, one actor for all HAVs.
 
     python examples/ppo_torchrl.py --steps 200000 --output pair.policy
     python -m baselines evaluate pair.policy --scenario paper-pair
 
-A recipe to begin from: one world, so it is slow, and TorchRL's own parts wherever there are any.
-TorchRL tells the last observation of an episode from the first of the next one, and a truncation
-from an end, so advantages are right without further care.
+It is a recipe to begin from: one world, so it is slow, and TorchRL's own parts wherever there are
+any. TorchRL distinguishes the last observation of an episode from the first of the next one, and a
+truncation from an end, so advantages are right without further care.
 """
 
 import dataclasses

@@ -1,7 +1,7 @@
 """This package simulates swarms of trucks that pull trailers to goal poses.
 
-The vehicles are Heavy Articulated Vehicles (HAVs): a truck and one to ten passive trailers. What
-users need is here; the packages inside are for those who add to them.
+The vehicles are Heavy Articulated Vehicles (HAVs): a truck and one to ten passive trailers. This
+package has all names that users need. The packages inside are for those who add to them.
 """
 
 import importlib

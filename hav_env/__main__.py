@@ -11,7 +11,7 @@ _COMMANDS = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run a command; return the exit code. What is wrong is said in one line."""
+    """Run a command, report an error in one line, and return the exit code."""
     return report_errors(_dispatch, arguments)
 
 

@@ -1,0 +1,1 @@
+"""This package tests hav_env, baselines, train, the benchmarks and the documentation."""

@@ -1,1 +1,1 @@
-"""Training of policies, and their comparison."""
+"""This package trains policies, and compares them."""

@@ -1,4 +1,4 @@
-"""The arguments of trainings: what they must be, and the models that they name."""
+"""This module checks the arguments of trainings, and the models that they name."""
 
 import dataclasses
 from typing import Annotated, Any, TypeVar

@@ -1,8 +1,8 @@
-"""Policies beside AVOID-JACK on the paper's episodes: ``python -m train.compare``.
+"""This module compares policies with AVOID-JACK, as in the paper: ``python -m train.compare``.
 
-For single HAVs and for pairs: a table of every figure with its 95 % interval and its paired
-difference from the first policy, the same as Parquet, bars, learning curves, and one episode as
-every policy drives it. An interrupted comparison goes on where it stopped.
+For single HAVs and for pairs it writes a table of every figure, the same as Parquet, bars, learning
+curves, and one episode under every policy. Each figure has its 95 % interval and its paired
+difference from the first policy. An interrupted comparison goes on where it stopped.
 """
 
 import dataclasses
@@ -34,28 +34,28 @@ SCRIPTED = ("avoid_jack", "dubins_pursuit", "random")
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """What to compare."""
+    """The options of a comparison."""
 
     single: tuple[str, ...] = (*SCRIPTED, "ppo_single")
     """Policies for single HAVs: names, files, or module:Class. The first is compared with."""
     pair: tuple[str, ...] = (*SCRIPTED, "ppo_pair")
     """Policies for pairs."""
     episodes: int = PAPER_EXPERIMENTS
-    """Of each scenario and policy: 0, 1, ... of the seed."""
+    """Episodes of each scenario and policy: 0, 1, ... of the seed."""
     seed: int = 0
-    """Of the episodes."""
+    """Seed of the episodes."""
     shown: int = 2
     """Number of the episode that is drawn."""
     output: pathlib.Path = pathlib.Path("results/compare")
     """Folder of the results."""
     threads: int | None = None
-    """How many; by default HAV_THREADS or all cores."""
+    """Number of threads; by default HAV_THREADS or all cores."""
     overwrite: bool = False
     """Discard what an earlier run left in the folder."""
 
 
 def main(words: list[str] | None = None) -> int:
-    """Compare; return the exit code. What is wrong is said in one line."""
+    """Compare, report an error in one line, and return the exit code."""
     usage, about = "python -m train.compare", "Compare policies on the paper's episodes."
     return run_command(usage, about, Options(), compare_all, words)
 

@@ -1,4 +1,4 @@
-"""Drawings of a comparison: bars of its figures, learning curves, one episode by every policy."""
+"""This module plots a comparison: bars of figures, learning curves, one episode by every policy."""
 
 from collections.abc import Sequence
 from typing import Any

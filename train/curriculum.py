@@ -1,4 +1,7 @@
-"""How training differs from what is scored: harm weighs less at first, long HAVs are more."""
+"""This module has the curriculum: training differs from scoring.
+
+Harm weighs less at first, and long HAVs are more frequent.
+"""
 
 from typing import Any, NamedTuple
 
@@ -16,7 +19,7 @@ class Curriculum(NamedTuple):
     """
 
     share: Share = 0.5
-    """Of the weights of harm, at the beginning; 1 for no curriculum."""
+    """Share of the weights of harm, at the beginning; 1 for no curriculum."""
     begin: Share = 0.1
     """Part of the training after which harm begins to weigh more ..."""
     end: Share = 0.5

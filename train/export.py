@@ -1,4 +1,4 @@
-"""From what a training stack has learned to a policy that runs anywhere."""
+"""This module exports what a training stack has learned, as a policy that runs anywhere."""
 
 import numpy as np
 import torch
@@ -18,7 +18,7 @@ def network_of(
 
     Args:
         layers: from the observation (D,) to the means of both actions.
-        process: what was learned on; says what is observed and how long an action is held.
+        process: decision process of the training, which states the observation and ``frame_skip``.
         mean: (D,) by which observations are normalized; none by default.
         variance: (D,), likewise.
         limit: to which normalized observations are cut.

@@ -1,12 +1,11 @@
-"""Proximal policy optimization with one policy for all HAVs: ``python -m train.ppo --preset pair``.
+"""This module trains one policy for all HAVs by PPO: ``python -m train.ppo --preset pair``.
 
-Read from top to bottom: the arguments, the presets, the worlds, the learner, a run of it, the
-command line. What happens between iterations is in train/sb3/callback.py. The folder of a run holds
+It learns by Stable-Baselines3; train/sb3/callback.py acts between iterations. A run's folder holds
 
 * ``run.json``: arguments, versions, git revision;
-* ``best.policy``: the policy that did best on the held-out episodes, ``last.policy``: the latest;
+* ``best.policy``: the best policy on the held-out episodes, ``last.policy``: the latest;
 * ``curve.json``: every evaluation;
-* ``checkpoint.pt``: everything that it takes to go on as if nothing had happened;
+* ``checkpoint.pt``: everything that a resumed run needs to go on bit for bit;
 * TensorBoard's files: ``tensorboard --logdir FOLDER``.
 """
 
@@ -47,10 +46,10 @@ CHECKPOINT = "checkpoint.pt"
 
 @dataclasses.dataclass(frozen=True)
 class Arguments:
-    """How to train."""
+    """The arguments of a training."""
 
     scenario: str = "paper-single"
-    """Its name, a JSON file or module:Class."""
+    """Scenario: its name, a JSON file or module:Class."""
     output: pathlib.Path = pathlib.Path("runs/ppo")
     """Folder of the run."""
     seed: checks.Seed = 0
@@ -61,12 +60,12 @@ class Arguments:
     decisions: checks.Decisions = 30_000_000
     """For how long to learn: actions of all HAVs together."""
     worlds: checks.Worlds = 512
-    """How many run side by side."""
+    """Number of worlds side by side."""
     rollout_decisions: checks.Several = 64
     """Actions of each HAV between updates."""
     batch_size: checks.Several = 4_096
     epochs: checks.Epochs = 4
-    """How often each action is learned from."""
+    """Number of times that PPO learns from each action."""
     learning_rate: checks.AboveZero = 5e-4
     """At the beginning; it falls to nothing along a straight line."""
     discount: checks.Discount = 0.995
@@ -81,7 +80,7 @@ class Arguments:
     """Standard deviation of actions at the beginning; with ``hold_noise`` of the weights that make
     it of the last hidden layer, so that of actions is several times as large."""
     least_deviation: checks.AboveZero = 0.08
-    """Below which it does not fall. Who learns with noise keeps away from what noise would lead to;
+    """Below which it does not fall. A HAV that learns with noise keeps away from its consequences;
     without it, margins shrink to nothing, and so do the steps that are safe to learn with."""
     hold_noise: checks.Held = 0
     """For how many actions the noise that explores is the same function of the state (gSDE, Raffin
@@ -94,16 +93,16 @@ class Arguments:
     frame_skip: checks.Skipped = 5
     """For how many steps of the simulator an action is held."""
     max_steps: checks.Steps = 4_000
-    """Of an episode to train on, in steps of the simulator; those of evaluations are the task's."""
+    """Most simulator steps of a training episode; those of evaluations are the task's."""
     observation: Observation = OBSERVATION
-    """What a HAV observes of others; of no more than there are."""
+    """The observation of others; of no more than there are."""
     trailer_sigma: checks.Spread = 4.5
-    """Of the trailer counts to train on, see ``RandomFleet``; evaluations have the scenario's."""
+    """Sigma of trailer counts in training (``RandomFleet``); evaluations have the scenario's."""
     vehicle: Any = VEHICLE
     reward: Any = REWARD
     """Weights of its terms."""
     curriculum: Curriculum = CURRICULUM
-    """How the weights of harm grow."""
+    """Growth of the weights of harm."""
     evaluate_every: checks.Decisions = 2_000_000
     """Decisions between evaluations."""
     evaluation_episodes: checks.Episodes = 500
@@ -274,7 +273,7 @@ def read_arguments(words: list[str]) -> tuple[Arguments, bool]:
 
 
 def main(words: list[str] | None = None) -> int:
-    """Train; return the exit code. What is wrong is said in one line."""
+    """Train, report an error in one line, and return the exit code."""
     logging.basicConfig(format="%(message)s")
     return report_errors(train, words, "--resume FOLDER goes on from the last checkpoint")
 

@@ -1,4 +1,4 @@
-"""The folder of a training run: what made it, and files that are whole or not there."""
+"""This module keeps the folder of a training run: arguments, versions, atomic files."""
 
 import importlib.metadata
 import json

@@ -1,4 +1,4 @@
-"""What a policy that learns is scored on, and by which number the best one is chosen."""
+"""This module scores a policy while it trains, and at the end on fresh episodes."""
 
 import pathlib
 from typing import Any

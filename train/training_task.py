@@ -1,4 +1,4 @@
-"""What is practised, whichever stack learns it."""
+"""This module states the training task for any stack: scenario, observation, reward."""
 
 from typing import Any, Protocol
 
@@ -17,15 +17,15 @@ class Exercise(Protocol):
 
     @property
     def scenario(self) -> str:
-        """Its name, or a JSON file."""
+        """The scenario's name, or a JSON file."""
 
     @property
     def trailer_sigma(self) -> float:
-        """Of the trailer counts."""
+        """Sigma of the trailer counts."""
 
     @property
     def observation(self) -> Observation:
-        """What a HAV observes of others."""
+        """The observation of others."""
 
     @property
     def vehicle(self) -> Any:
@@ -41,7 +41,7 @@ class Exercise(Protocol):
 
     @property
     def max_steps(self) -> int:
-        """Of an episode to train on, in steps of the simulator."""
+        """Largest length of an episode to train on, in steps of the simulator."""
 
 
 def settings_of(arguments: Exercise, threads: int | None = None) -> Settings:

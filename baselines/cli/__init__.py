@@ -1,0 +1,1 @@
+"""This package reads the options of commands, checks them, and shows progress."""

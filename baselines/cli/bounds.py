@@ -1,4 +1,4 @@
-"""This module checks numbers of a command line: whole, and within what can be meant."""
+"""This module checks whole numbers of a command line, such as episodes and threads."""
 
 from typing import Annotated, Any
 
@@ -14,10 +14,11 @@ def check_whole(name: str, value: Any, least: int, most: int, more: str = "") ->
     """Check a whole number.
 
     Args:
-        name: of the argument.
-        value: what was given.
-        least, most: the bounds, both allowed.
-        more: is said after the bounds.
+        name: name of the argument.
+        value: value that the user gave.
+        least: the smallest number that is allowed.
+        most: the largest number that is allowed.
+        more: text to add behind the bounds.
 
     Raises:
         TypeError: when it is no whole number.

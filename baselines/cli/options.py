@@ -1,4 +1,4 @@
-"""The options of a command line, built from the parameters of the models that it names."""
+"""This module builds the options of a command line from the parameters of models."""
 
 import dataclasses
 from typing import Annotated, Any
@@ -29,7 +29,7 @@ def take_words(arguments: list[str]) -> tuple[list[str], list[str]]:
 
 
 def asks_for_help(arguments: list[str]) -> bool:
-    """Tell whether a command is asked for its help."""
+    """Tell whether the arguments of a command ask for its help."""
     return bool({"-h", "--help"} & set(arguments))
 
 
@@ -39,7 +39,8 @@ def read_options(
     """Let tyro build the options of a command.
 
     Args:
-        usage, description: what the help begins with.
+        usage: the command, with which the help begins.
+        description: the purpose of the command, for the help.
         arguments: the command line without what was taken from it.
         fields: (name, type), (name, type, default) or (name, type, default, help) of each option.
         common: further options with their defaults, an instance of a dataclass.

@@ -1,4 +1,4 @@
-"""A progress bar for long runs, with their rate and the time that is left."""
+"""This module shows a progress bar with the rate and the time left."""
 
 import rich.progress
 from rich.console import Console
@@ -20,15 +20,18 @@ class Progress:
     """A bar over a number of experiments, as a context manager."""
 
     def __init__(self, num_experiments: int) -> None:
+        """Prepare the bar; it shows once the context is entered."""
         self._bar = new_bar("experiments")
         self._task = self._bar.add_task("", total=num_experiments, rate="")
         self._steps = self._experiments = 0
 
     def __enter__(self) -> "Progress":
+        """Show the bar."""
         self._bar.start()
         return self
 
     def __exit__(self, *error: object) -> None:
+        """Stop the bar; errors pass."""
         self._bar.stop()
 
     def advance(self, experiments: int, steps: int) -> None:

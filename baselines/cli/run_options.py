@@ -11,15 +11,15 @@ from hav_env import Explicit, Task
 
 @dataclasses.dataclass
 class Run:
-    """Where the results go and how they are made."""
+    """The options of a run: its folder, its seed and its threads."""
 
     output: pathlib.Path | None = None
     """Folder of the results, in which an interrupted run goes on where it stopped. Without one,
     ``evaluate`` keeps nothing."""
     seed: int = 0
-    """Of all experiments, from 0 to 2**32 - 1."""
+    """Seed of all experiments, from 0 to 2**32 - 1."""
     threads: int | None = None
-    """How many; by default HAV_THREADS or all cores. Results do not depend on it."""
+    """Number of threads; by default HAV_THREADS or all cores. Results do not depend on it."""
     overwrite: bool = False
     """Discard what an earlier run left in the folder."""
 
@@ -29,15 +29,15 @@ class Evaluate(Run):
     """Options of ``evaluate``."""
 
     engine: str = "local"
-    """What runs the episodes: local, on this machine; ray, on a Ray cluster, with --threads (1)
-    for each part of them. Results do not depend on it."""
+    """The engine that runs the episodes: local, on this machine; ray, on a Ray cluster, with
+    --threads (1) for each part of them. Results do not depend on it."""
     address: str | None = None
-    """Of the Ray cluster, HOST:PORT or auto; by default one is started on this machine."""
+    """Address of the Ray cluster, HOST:PORT or auto; by default one is started on this machine."""
 
 
 @dataclasses.dataclass
 class Display:
-    """How an episode is shown."""
+    """The options of showing an episode."""
 
     output: pathlib.Path | None = None
     """A file: .mp4, .gif or .html. Without one, and without --record, a window opens."""
@@ -49,7 +49,7 @@ class Display:
 
 @dataclasses.dataclass
 class Watch(Display):
-    """Which episode, and what is kept of it."""
+    """The options of recording an episode."""
 
     record: pathlib.Path | None = None
     """A file, .npz, to keep the episode in; ``watch FILE.npz`` shows it again."""

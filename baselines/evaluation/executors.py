@@ -1,4 +1,6 @@
-"""Where episodes are run: on this machine or on a Ray cluster; the tables do not depend on it.
+"""This module runs episodes on this machine or on a Ray cluster.
+
+The tables do not depend on where the episodes ran. An example of a cluster:
 
 python -m baselines evaluate avoid_jack --episodes 100000 --engine ray --address auto
 """

@@ -1,4 +1,7 @@
-"""A Ray cluster, asked for only when it is wanted; on this machine unless an address is given."""
+"""This module runs evaluations on a Ray cluster.
+
+It imports Ray only when it runs. Without an address it starts Ray on this machine.
+"""
 
 import contextlib
 import importlib

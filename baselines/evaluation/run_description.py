@@ -1,4 +1,4 @@
-"""This module writes down what a table on disk was made from, and its digest (SHA-256)."""
+"""This module describes how a table on disk was made, and digests that (SHA-256)."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""Experiments on disk: written as they go, resumed, and never half a file."""
+"""This module runs evaluations on disk: it writes them in parts, and resumes them."""
 
 import contextlib
 import functools
@@ -46,7 +46,8 @@ def check_experiments(
     """Check experiments before anything is run or written.
 
     Args:
-        experiments: what to run; threads: how many.
+        experiments: the experiments to run.
+        threads: number of threads; None is ``HAV_THREADS`` or all cores.
         name: of the number of episodes, for the message.
 
     Raises:
@@ -72,9 +73,9 @@ def run_experiments(
 ) -> pathlib.Path:
     """Run experiments and keep their table as ``name.parquet`` in a folder.
 
-    What an interrupted run has written is kept in ``name.parts`` and not run again. The file is the
-    same, byte for byte, however often the run was interrupted and whichever engine runs it. A table
-    or a part that has changed since it was written is made again: of both, a digest is kept.
+    The folder ``name.parts`` keeps the parts of an interrupted run, which do not run again. The
+    file is the same, byte for byte, after any interrupts and under any engine. Tables and parts
+    have digests: one that has changed since it was written is made again.
 
     Args:
         experiments: what to run.

@@ -1,1 +1,1 @@
-"""Experiments that are run as a whole: the paper's, surveys, ablations."""
+"""This package runs whole experiments: the paper's, surveys, calibrations and ablations."""

@@ -1,4 +1,4 @@
-"""The effect of every choice that the paper leaves open, measured one at a time."""
+"""This module measures the effect of every choice that the paper leaves open, one at a time."""
 
 import math
 import pathlib

@@ -1,4 +1,4 @@
-"""The paper's experiments: run, set beside its figures, drawn."""
+"""This module reproduces the paper's experiments, compares their figures, and draws them."""
 
 import pathlib
 from typing import NamedTuple

@@ -1,6 +1,6 @@
-"""Reserve with less to go by: ``python -m baselines.experiments.reserve_ablations``.
+"""This module runs ablations of Reserve: ``python -m baselines.experiments.reserve_ablations``.
 
-The same episodes again, with all HAVs deciding at once, without broadcast, with less range, and
+The same episodes run again with all HAVs deciding at once, without broadcast, with less range, and
 with noise on the poses of others. An interrupted run goes on where it stopped.
 """
 
@@ -17,7 +17,7 @@ ENTRIES = (Entry("paper-pair", 1_000), Entry("swarm-10", 100), Entry("dense-10",
 
 
 class Variant(NamedTuple):
-    """What is different."""
+    """A variant of Reserve: the changes to its parameters and rules."""
 
     name: str
     policy: Reserve = Reserve()
@@ -43,7 +43,7 @@ VARIANTS = (
 
 
 def main(words: list[str] | None = None) -> int:
-    """Run the variants; return the exit code. What is wrong is said in one line."""
+    """Run the variants, report an error in one line, and return the exit code."""
     usage, about = (
         "python -m baselines.experiments.reserve_ablations",
         "Reserve with less to go by.",

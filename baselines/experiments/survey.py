@@ -1,9 +1,8 @@
-"""All policies from one HAV to swarms: ``python -m baselines.experiments.survey``.
+"""This module surveys all policies, one HAV to swarms: ``python -m baselines.experiments.survey``.
 
-Every policy gets the same episodes, which no policy of this project was made with. Worlds that
-start with chains that touch, or with goals whose trucks would cross, are counted apart for every
-policy alike: there no policy can do all that is asked. An interrupted survey goes on where it
-stopped.
+Every policy gets the same episodes, which no policy of this project was made with. The survey
+counts apart the worlds that start with chains that touch, and those with goals whose trucks would
+cross. No policy can solve these. An interrupted survey goes on where it stopped.
 """
 
 import dataclasses
@@ -31,7 +30,7 @@ from hav_env.world.event_table import HARM
 
 
 class Entry(NamedTuple):
-    """A scenario of the survey, and on how many episodes and steps it is looked at."""
+    """A scenario of the survey, and its numbers of episodes and steps."""
 
     scenario: str
     episodes: int
@@ -63,13 +62,13 @@ class Sample:
     """The share of the episodes that is run, and the folder of the results."""
 
     share: float = 1.0
-    """Of the episodes, to see something soon; at least one is run."""
+    """Share of the episodes, to see something soon; at least one is run."""
     seed: int = 2026
-    """Of the episodes."""
+    """Seed of the episodes."""
     output: pathlib.Path = pathlib.Path("results/survey")
     """Folder of the results."""
     threads: int | None = None
-    """How many; by default HAV_THREADS or all cores."""
+    """Number of threads; by default HAV_THREADS or all cores."""
     overwrite: bool = False
     """Discard what an earlier run left in the folder."""
 
@@ -79,7 +78,7 @@ class Options(Sample):
     """Options of a survey."""
 
     scenarios: tuple[str, ...] = tuple(entry.scenario for entry in SURVEY)
-    """Which of the survey's scenarios."""
+    """Names of the survey's scenarios."""
     policies: tuple[str, ...] = ()
     """Names, files, or module:Class; by default those that the survey has for each scenario."""
 
@@ -100,7 +99,7 @@ class Findings(NamedTuple):
     harmed: tuple[int, ...]
     """To how many HAVs each event of ``HARM`` happened."""
     hits: tuple[int, ...]
-    """How many HAVs hit each goal."""
+    """Number of HAVs that hit each goal."""
     size: int
     """HAVs in worlds in which all can be done."""
     apart: int
@@ -114,7 +113,7 @@ class Findings(NamedTuple):
 
 
 def main(words: list[str] | None = None) -> int:
-    """Survey; return the exit code. What is wrong is said in one line."""
+    """Run the survey, report an error in one line, and return the exit code."""
     usage, about = "python -m baselines.experiments.survey", "All policies from one HAV to swarms."
     return run_command(usage, about, Options(), survey, words)
 

@@ -1,1 +1,1 @@
-"""Figures of evaluations and of the paper."""
+"""This package draws figures of evaluations and of the paper."""

@@ -1,4 +1,4 @@
-"""The figures of an evaluation: the paper's histograms, and episodes that stand for many."""
+"""This module draws an evaluation: the paper's histograms, and representative episodes."""
 
 import math
 import os
@@ -177,7 +177,7 @@ def draw_all(
         single: table of ``rollout`` with one HAV per episode.
         pair: the same with two.
         folder: made when it does not exist; files in it are replaced.
-        policy: what both tables come from, as the rest; chosen episodes are run again.
+        policy: policy of both tables; chosen episodes run again.
         scenario_single: of the first table.
         scenario_pair: of the second table.
         seed: of the episodes.

@@ -1,4 +1,4 @@
-"""Representative episodes of a table, and excerpts of them that show an event."""
+"""This module chooses representative episodes of a table, and excerpts that show an event."""
 
 from typing import NamedTuple
 

@@ -1,7 +1,7 @@
-"""This module computes what HAVs under Reserve have reserved, in the coordinates of their world.
+"""This module computes the reserved areas of HAVs under Reserve, in coordinates of their world.
 
-It follows from their memory (``baselines.policies.reserve.memory.rows``) and from the poses of
-their trucks, because a HAV remembers everything in its truck's frame.
+It uses their memory (``baselines.policies.reserve.memory.rows``) and the poses of their trucks,
+because a HAV remembers everything in its truck's frame.
 """
 
 import numpy as np

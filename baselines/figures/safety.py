@@ -1,8 +1,8 @@
 """This module draws the figures of docs/safety.md: ``python -m baselines.figures.safety``.
 
-The first one shows what two HAVs under Reserve have reserved while one makes room for the other.
-The second one shows ten HAVs that cross a circle. The third one shows when HAVs arrive, compared
-with AVOID-JACK on the same episodes.
+The first figure shows the reserved areas of two HAVs while one makes room for the other. The second
+one shows ten HAVs that cross a circle. The third one compares arrival times with AVOID-JACK on the
+same episodes.
 """
 
 import colorsys

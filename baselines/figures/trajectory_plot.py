@@ -1,4 +1,4 @@
-"""Drawings of the plane, to scale, and the sheet that all figures are drawn on and saved from."""
+"""This module plots trajectories to scale, and lays out and saves the sheet of a figure."""
 
 import os
 import pathlib
@@ -64,7 +64,7 @@ def save_figure(
     """Write name.png and name.svg, each whole or not at all; equal figures give equal bytes.
 
     Args:
-        figure: what to write.
+        figure: figure to write.
         folder: where to; it is made.
         name: of the files, without a suffix.
         kinds: which of the two files.

@@ -1,0 +1,1 @@
+"""This package holds the policies: AVOID-JACK, Reserve, Dubins pursuit, random, networks."""

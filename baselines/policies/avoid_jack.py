@@ -1,4 +1,4 @@
-"""AVOID-JACK, the paper's policy: goal attraction, jackknife repulsion, mutual evasion."""
+"""This module is AVOID-JACK, the paper's policy: goal attraction, jackknife repulsion, evasion."""
 
 import math
 from typing import NamedTuple
@@ -166,14 +166,17 @@ def jackknife_weight(policy, cosine):
 
 @kernel
 def safe_speed(dt, truck, trailer, steering_tangent, articulation_max, beta):
-    """Return v_max [m/s], eq. (vmax): the articulation of the first trailer cannot pass its limit
-    within one step from the threshold beta on.
+    """Return v_max [m/s], eq. (vmax).
+
+    No faster can the first trailer's articulation get from the threshold past its limit in a step.
 
     Args:
         dt: duration of a step [s].
-        truck, trailer: l^0 and l^1 [m].
-        steering_tangent: tan(phi^max).
-        articulation_max, beta: delta^max and the threshold [rad].
+        truck: length l^0 of the truck [m].
+        trailer: length l^1 of the first trailer [m].
+        steering_tangent: tan(phi^max) of the largest steering angle.
+        articulation_max: limit delta^max of the articulation [rad].
+        beta: threshold of the articulation [rad].
     """
     sine, _ = sincos(beta)
     rate = abs(sine / trailer + steering_tangent / truck)

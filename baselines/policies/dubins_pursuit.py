@@ -1,4 +1,7 @@
-"""Goal attraction alone: the paper's Algorithm 1 as a policy, blind to trailers and neighbours."""
+"""This module is the Dubins pursuit, the paper's Algorithm 1 as a policy.
+
+It is goal attraction alone, and ignores trailers and neighbours.
+"""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Trained policies as files: everything that a policy needs to act, and how it came to be."""
+"""This module saves and loads trained policies: weights, normalizer, settings and provenance."""
 
 import json
 import pathlib
@@ -28,11 +28,11 @@ _ARRAYS = {"sizes": np.int64, "weights": np.float32, "mean": np.float64, "scale"
 
 
 class Trained(NamedTuple):
-    """What a file holds."""
+    """The content of a policy file."""
 
     policy: Network
     about: dict[str, Any]
-    """How it came to be, in words and numbers that JSON knows: scenario, arguments of the
+    """Its origin, in words and numbers that JSON knows: scenario, arguments of the
     training, versions, learning curve, figures of its evaluation."""
 
 

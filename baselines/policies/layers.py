@@ -1,4 +1,4 @@
-"""The layers of a network: its normalizer, its tanh units and its linear outputs, compiled."""
+"""This module computes the layers of a network, compiled: normalizer, tanh units, outputs."""
 
 from hav_env.compiled import fixed, kernel
 from hav_env.maths.elementary import exp

@@ -1,4 +1,4 @@
-"""A trained policy: a multilayer perceptron from what a HAV observes to its speed and steering."""
+"""This module is a trained policy: a multilayer perceptron from observations to actions."""
 
 import itertools
 from collections.abc import Sequence
@@ -46,9 +46,9 @@ class Network(NamedTuple):
     frame_skip: Skipped
     """For how many steps an action is held; new ones are taken at its multiples."""
     observation: Observation
-    """What is observed; settled, so that it tells the number of neighbours."""
+    """The observation it reads; settled, so that it tells the number of neighbours."""
     max_trailers: Trailers
-    """Of the observation."""
+    """Largest number of trailers in the observation."""
     inputs: np.ndarray = EVERY_COLUMN
     """(I,) int64: which columns of the observation are read, in the order of the first layer; with
     none, all columns are read in their order."""
@@ -91,7 +91,7 @@ def find_inputs(
 
     Args:
         names: of the columns that a network reads.
-        observation: what is observed now; settled.
+        observation: observation of now; settled.
         max_trailers: of the observation.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Random actions: the floor that every policy must beat."""
+"""This module is a policy of random actions, the floor that every policy must beat."""
 
 from typing import NamedTuple
 

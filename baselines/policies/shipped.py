@@ -1,4 +1,4 @@
-"""This module has the trained policies that ship with the project, as attributes of their names."""
+"""This module holds the trained policies that ship with the project, as attributes."""
 
 import pathlib
 

@@ -1,1 +1,1 @@
-"""Recorded episodes, and how they are watched."""
+"""This package records episodes, and shows them in a window, a film or a web page."""

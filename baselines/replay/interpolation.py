@@ -1,4 +1,4 @@
-"""The scene of an episode at any moment, interpolated between the recorded states."""
+"""This module interpolates the scene of an episode between the recorded states."""
 
 import math
 

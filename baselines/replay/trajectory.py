@@ -1,4 +1,4 @@
-"""One episode again, with everything that happened on the way."""
+"""This module records the trajectory of one episode: poses, actions, events."""
 
 from typing import NamedTuple
 
@@ -65,7 +65,7 @@ def record_trajectory(
 
     Args:
         policy: drives every HAV.
-        scenario: what the world is.
+        scenario: scenario of the world.
         seed: of the episode.
         episode: its number.
         task: the rules.

@@ -1,4 +1,7 @@
-"""Recorded episodes on disk: one compressed NumPy archive each, with a versioned layout."""
+"""This module saves and loads recorded episodes, one compressed NumPy archive each.
+
+The layout of an archive has a version.
+"""
 
 import os
 import pathlib

@@ -1,4 +1,4 @@
-"""An episode drawn frame by frame: in a window, or into a film."""
+"""This module plays an episode frame by frame, in a window or into a film."""
 
 import pathlib
 

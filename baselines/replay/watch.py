@@ -1,4 +1,4 @@
-"""One episode to be looked at: in a window, as a film, or as a page that replays it."""
+"""This module shows one episode: in a window, as a film, or as a page that replays it."""
 
 import os
 import pathlib

@@ -1,4 +1,4 @@
-"""A page that replays an episode in a browser: ``page/page.html`` with all parts put into it."""
+"""This module writes a web page that replays an episode: ``page/page.html`` with all its parts."""
 
 import base64
 import importlib.resources

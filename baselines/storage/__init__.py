@@ -1,0 +1,1 @@
+"""This package reads and writes files safely: archives of arrays, atomic writes, locks."""

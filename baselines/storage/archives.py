@@ -1,7 +1,7 @@
-"""Archives of arrays from strangers: nothing is allocated before its size is known to be allowed.
+"""This module reads archives of arrays from strangers within limits of size.
 
-``numpy.load`` unpacks whatever an archive asks for. Here the directory of the archive and the head
-of every array are read first, and tell how large it is.
+``numpy.load`` unpacks everything that an archive holds. This module first reads the directory of
+the archive and the head of every array, which tell its size. It allocates nothing too large.
 """
 
 import math
@@ -22,7 +22,7 @@ _END_SIZE, _LARGE_SIZE = 22, 20  # [bytes]
 
 
 class Head(NamedTuple):
-    """What an array is, as the first bytes of its file tell."""
+    """The type and shape of an array, as the first bytes of its file tell."""
 
     shape: tuple[int, ...]
     columns_first: bool  # Fortran's order

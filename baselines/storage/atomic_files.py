@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""This module writes files atomically: whole or not at all."""
 
 import contextlib
 import hashlib
@@ -18,7 +18,7 @@ from baselines.storage.locks import is_at, lock
 def whole_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
     """Give a temporary name in the same folder; rename it to ``path`` when all went well.
 
-    What killed processes have left of the same file is removed.
+    It removes leftovers of the same file from killed processes.
     """
     _remove_left(path)
     unfinished, held = _begin(path)

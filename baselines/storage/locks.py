@@ -1,6 +1,6 @@
-"""This module locks files against other processes; the system frees what a killed process held.
+"""This module locks files against other processes; the system frees the locks of killed ones.
 
-Locks are advisory. On a network file system they hold between machines if it is mounted so.
+Locks are advisory. On a network file system they hold between machines if its mount allows it.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-"""What is wanted of the environments, beside what was measured."""
+"""This module compares the measured speed of the environments with the aims."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -22,7 +22,7 @@ Rates = dict[Key, float]  # agent-steps/s
 
 
 class Aim(NamedTuple):
-    """What is wanted of the environments, and what was measured; None if it could not be."""
+    """An aim of the environments, and its measurement; None if there is none."""
 
     what: str
     wanted: str

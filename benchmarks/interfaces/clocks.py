@@ -1,4 +1,7 @@
-"""Loops that step environments for so many seconds with actions drawn before: agent-steps/s."""
+"""This module times loops that step environments for so many seconds: agent-steps/s.
+
+The actions are drawn before.
+"""
 
 import itertools
 import time

@@ -1,4 +1,7 @@
-"""Environments that return what another one returns, and simulate nothing: what Python costs."""
+"""This module has empty environments, which measure the cost of Python.
+
+They return what another one returns, and simulate nothing.
+"""
 
 from typing import Any, ClassVar
 

@@ -1,4 +1,4 @@
-"""The faces of the simulator that learners step, and what measures each."""
+"""This module lists the interfaces that learners step, and prepares the measurement of each."""
 
 import importlib.util
 from collections.abc import Iterable
@@ -45,8 +45,9 @@ def vector_rows(num_worlds: Iterable[int], singles: Iterable[int], rows: int) ->
     """Return what is measured of vector environments.
 
     Args:
-        num_worlds, singles: of the swarm's and of the single HAV's.
-        rows: worlds of the one for Stable-Baselines3, if that is installed.
+        num_worlds: numbers of worlds of the environments of the swarm.
+        singles: numbers of worlds of the environments of a single HAV.
+        rows: number of worlds of the one for Stable-Baselines3, if that is installed.
     """
     counts = [(SWARM, w) for w in num_worlds] + [(SINGLE, w) for w in singles]
     if importlib.util.find_spec("stable_baselines3"):

@@ -1,4 +1,4 @@
-"""What a fresh process costs: seconds to its first finished experiment, imports, and memory.
+"""This module measures a fresh process: seconds to its first experiment, imports, and memory.
 
 Run as a script it is that process: ``python -m benchmarks.interfaces.fresh_process 500`` runs so
 many of the paper's experiments in slices, as ``python -m baselines reproduce`` does, and prints its

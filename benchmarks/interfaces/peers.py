@@ -1,8 +1,8 @@
-"""What other multi-agent simulators do on their own tasks: agent-steps per second, random actions.
+"""This module measures other multi-agent simulators on their own tasks: agent-steps per second.
 
-``python -m benchmarks.interfaces.peers`` prints the table. The peers are optional:
-``pip install 'mpe2>=1.1' 'vmas>=1.5'`` brings them, and the rows of one that is missing are left
-out. (mpe2 before 1.1 wants ``pygame``, which cannot live beside ``pygame-ce``.) Their tasks differ
+``python -m benchmarks.interfaces.peers`` prints the table. The actions are random. The peers are
+optional: ``pip install 'mpe2>=1.1' 'vmas>=1.5'`` brings them, and the table leaves out missing
+ones. (mpe2 before 1.1 wants ``pygame``, which cannot live beside ``pygame-ce``.) Their tasks differ
 from this project's and from each other, so the figures tell orders of magnitude and no more.
 """
 

@@ -1,4 +1,4 @@
-"""Two yardsticks: the compiled step of one HAV, written again in plain Python and in NumPy.
+"""This module has two yardsticks: the compiled step of one HAV in plain Python and in NumPy.
 
 Both drive one HAV with five trailers by AVOID-JACK from goal to goal: the goal's side by the
 shortest of six Dubins words, jackknife weights, one Euler step, tests for a jackknife and for the

@@ -1,4 +1,4 @@
-"""The HAV that the yardsticks drive, by which rules, and what they report of it.
+"""This module states the HAV of the yardsticks, its rules, and the report on it.
 
 Values are pinned here, so that the work stays the same when the project's defaults change.
 """
@@ -34,7 +34,7 @@ SPEED = min(  # [m/s]
 
 
 class Outcome(NamedTuple):
-    """Where a HAV is after some steps, and what has happened to it."""
+    """The pose of a HAV after some steps, its goals and its jackknife."""
 
     x: float  # of the truck's rear axle [m]
     y: float

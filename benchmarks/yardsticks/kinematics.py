@@ -1,4 +1,4 @@
-"""How fast HAVs move when that is all they do: no policy, no records."""
+"""This module measures the kinematics alone: HAVs that move without policy or records."""
 
 import time
 

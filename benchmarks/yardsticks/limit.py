@@ -1,8 +1,8 @@
-"""The limit of the hardware: the closed loop of one HAV in C++ on one thread, ``limit.cpp``.
+"""This module measures the limit of the hardware: the closed loop of one HAV in C++.
 
-``python -m benchmarks.yardsticks.limit`` builds it, checks it and prints how fast it runs. It is a
-yardstick for the compiled simulator: how much a program that simulates this problem alone could
-still gain.
+``python -m benchmarks.yardsticks.limit`` builds ``limit.cpp``, checks it and prints how fast it
+runs on one thread. It is a yardstick for the compiled simulator: the speed of a program that
+simulates this problem alone.
 """
 
 import functools

@@ -1,4 +1,4 @@
-"""The yardstick in plain Python: floats, lists and the functions of ``math``."""
+"""This module is the yardstick in plain Python: floats, lists and functions of ``math``."""
 
 import math
 

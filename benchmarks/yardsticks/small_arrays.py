@@ -1,4 +1,7 @@
-"""The yardstick in NumPy: arrays over the units of the HAV, and over the six Dubins words."""
+"""This module is the yardstick in NumPy.
+
+Its arrays run over the units of the HAV, and over the six Dubins words.
+"""
 
 import numpy as np
 

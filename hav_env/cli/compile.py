@@ -1,6 +1,6 @@
 """This module compiles ahead of time: it runs every policy, scenario and environment for a step.
 
-Compiled code is kept on disk, so that whatever is run later starts at once.
+The disk keeps compiled code, so that later runs start at once.
 """
 
 import concurrent.futures
@@ -17,12 +17,12 @@ from hav_env.scenarios.presets import SCENARIOS
 
 @dataclasses.dataclass
 class Compile:
-    """What is compiled, and how."""
+    """The options of compiling ahead of time."""
 
     policies: tuple[str, ...] = ()
     """Names, files, or module:Class; by default all that have a name."""
     processes: int | None = None
-    """How many compile at a time; by default HAV_THREADS or all cores."""
+    """Number of processes that compile at a time; by default HAV_THREADS or all cores."""
 
 
 def compile_all(options: Compile) -> None:

@@ -1,4 +1,4 @@
-"""This module runs commands; it says in one line what went wrong, and returns the exit code."""
+"""This module runs commands, reports errors in one line, and returns the exit code."""
 
 import sys
 from collections.abc import Callable
@@ -6,18 +6,18 @@ from collections.abc import Callable
 from hav_env.models.text import one_line
 
 FAILURES = (ValueError, TypeError, OSError, ImportError, MemoryError)
-"""What wrong options, files and machines raise; anything else is a defect and keeps its trace."""
+"""The errors of wrong options, files and machines; any other is a defect and keeps its trace."""
 
 
 def report_errors(
     run: Callable[[list[str]], None], words: list[str] | None, interrupted: str = ""
 ) -> int:
-    """Run a command; say what is wrong in one line.
+    """Run a command, and report an error in one line.
 
     Args:
         run: takes the words of the command line.
         words: of the command line, by default the process's.
-        interrupted: what is said after Ctrl-C; nothing by default.
+        interrupted: message after Ctrl-C; none by default.
 
     Returns:
         The exit code: 0, 2 when something is wrong, 130 when interrupted.

@@ -1,4 +1,4 @@
-"""Options from a command line, by tyro; what is wrong with them becomes one line."""
+"""This module reads options from a command line by tyro, and reports mistakes in one line."""
 
 import contextlib
 import io
@@ -23,13 +23,14 @@ def parse_options(
 
     Args:
         options_class: a dataclass or NamedTuple; its fields become the options.
-        program, description: stand in the help.
+        program: name of the program, for the help.
+        description: purpose of the program, for the help.
         arguments: the words of the command line.
-        default: what the options are without any arguments.
+        default: the options without any arguments.
 
     Raises:
         ValueError: when the arguments are wrong, saying how in one line.
-        SystemExit: after the help was asked for and printed.
+        SystemExit: after tyro has printed the help.
     """
     complaint = io.StringIO()
     try:
@@ -55,14 +56,15 @@ def run_command(
     words: list[str] | None = None,
     interrupted: str = "the same command goes on where this one stopped",
 ) -> int:
-    """Run what a command is for and print what it returns; what is wrong is said in one line.
+    """Run a command and print its result, or report an error in one line.
 
     Args:
-        program, description: stand in the help.
+        program: name of the program, for the help.
+        description: purpose of the program, for the help.
         default: the options without any arguments.
         run: takes the options.
         words: of the command line, by default the process's.
-        interrupted: what is said then.
+        interrupted: message after Ctrl-C.
 
     Returns:
         The exit code: 0, 2 when something is wrong, 130 when interrupted.

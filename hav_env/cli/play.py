@@ -1,4 +1,4 @@
-"""Drive one HAV by keyboard among others that a policy drives.
+"""This module lets you drive one HAV by keyboard among others that a policy drives.
 
 Keys: up and down (W and S) change the speed, left and right (A and D) steer, R begins a new
 episode, escape ends. Those of the window are in ``hav_env.rendering.viewer``.
@@ -13,24 +13,24 @@ import numpy as np
 
 @dataclasses.dataclass
 class Play:
-    """What is played."""
+    """The options of a game."""
 
     num_havs: int | None = None
     """HAVs, of which you drive one; by default as many as the scenario has, or 4."""
     scenario: str | None = None
     """A scenario by its name, or FILE.json; by default random poses."""
     seed: int = 0
-    """Of the first episode; each new one takes the next."""
+    """Seed of the first episode; each new one takes the next."""
     others: str = "avoid_jack"
     """The policy that drives the others, by its name."""
     vehicle: str = "on_axle"
     """The kinematics of all HAVs, by name or module:Class."""
     reward: str = "default"
-    """What HAVs are rewarded for, by name or module:Class."""
+    """The reward, by name or module:Class."""
 
 
 class Controls(NamedTuple):
-    """How quickly a held key changes the action, per frame; the whole range is 2."""
+    """Changes of the action per frame while a key is held; the whole range is 2."""
 
     throttle: float = 0.08
     steer: float = 0.12
@@ -52,7 +52,7 @@ def next_action(
     The speed stays when neither key is held; the steering returns to the middle.
 
     Args:
-        held: what is asked for, of "faster", "slower", "left", "right".
+        held: the held keys, of "faster", "slower", "left", "right".
         action: (2,) the previous one: speed and steering, each in [-1, 1].
         controls: how quickly it changes.
     """
@@ -80,10 +80,10 @@ def drive(
     Args:
         env: with ``reset(seed=)``, ``step(action)`` and ``render()`` as Gymnasium's for humans:
             the first two show a frame by themselves.
-        held_in_frames: what is held in each frame: see ``next_action``; and "again", "quit".
+        held_in_frames: the held keys of each frame: see ``next_action``; and "again", "quit".
         seed: of the first episode; each new one takes the next, after the last one 0.
         controls: how quickly the action changes.
-        tell: is told how each episode ended.
+        tell: function that takes how each episode ended.
 
     Returns:
         How many episodes were begun.

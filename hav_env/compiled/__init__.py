@@ -1,8 +1,8 @@
-"""How the project compiles: the only room that imports Numba.
+"""This package compiles the simulator, and alone imports Numba.
 
 Three tiers. A ``kernel`` is compiled into its callers: scalar (floats in, floats out) or a loop
-over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of a model. An
-``entry`` is what Python calls: it alone is cached on disk, its worlds are spread over threads.
+over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of a model. Python
+calls an ``entry``. Entries alone are cached on disk, and spread their worlds over threads.
 """
 
 from hav_env.compiled.digests import Code, classes_in, digest_code

@@ -1,4 +1,4 @@
-"""Where compiled code may be kept: a folder to which nobody else can write."""
+"""This module chooses the folder of compiled code, to which nobody else can write."""
 
 import functools
 import logging
@@ -17,8 +17,8 @@ _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 def find_home(wanted: str) -> pathlib.Path | None:
     """Return the folder of the compile cache, made if there was none; None if there is no place.
 
-    What is kept there is loaded as machine code, so whoever can write to the folder runs code as
-    this user. A folder that is unsafe or cannot be written to is named on the log, once.
+    The simulator loads its files as machine code. So anybody who can write to the folder runs code
+    as this user. The log names a folder that is unsafe or not writable, once.
 
     Args:
         wanted: the folder that the user wants, "" for ``~/.cache/hav_env``. After it comes one of

@@ -1,4 +1,4 @@
-"""Numba's compiler, told to compile kernels as parts of entries, once, for the widest vectors."""
+"""This module configures Numba's compiler: kernels as parts of entries, and the widest vectors."""
 
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
@@ -10,6 +10,7 @@ class Whole(JITCodeLibrary):
     """Code for the widest vectors: LLVM would halve those of 512 bits."""
 
     def add_ir_module(self, ir_module):
+        """Add code of LLVM, and ask for vectors of 512 bits in its functions."""
         for function in ir_module.functions:
             set.add(function.attributes, '"prefer-vector-width"="512"')
         super().add_ir_module(ir_module)
@@ -29,20 +30,23 @@ class Part(Whole):
         self._finalized = True
 
     def get_pointer_to_function(self, name):
+        """Return no address: the code is executable in entries only."""
         return 0
 
     @property
     def codegen(self):
+        """The library itself, in place of a generator of code."""
         return self  # Numba asks it for ``set_env`` alone
 
     def set_env(self, name, environment):
-        pass
+        """Do nothing: no code is loaded that could use an environment."""
 
 
 class RarePart(Part):
     """The code of a kernel that is called: LLVM would put copies of it wherever it is."""
 
     def add_ir_module(self, ir_module):
+        """Add code of LLVM, and forbid copies of its functions inside their callers."""
         for function in ir_module.functions:
             if not function.is_declaration:
                 set.add(function.attributes, "noinline")

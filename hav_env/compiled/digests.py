@@ -1,9 +1,8 @@
-"""This module digests code: all functions that compiled code, or a table of results, depends on.
+"""This module digests all functions that compiled code, or a table of results, depends on.
 
 The digest covers bytecode, constants and the values of global names, function by function, wherever
-the code that is digested leads. Comments, docstrings and line numbers leave it as it is, and so
-does every function that is not reached. Of a generic kernel only the implementations for the
-models at hand count.
+the code leads. It does not depend on comments, docstrings, line numbers or functions that the code
+does not reach. Of a generic kernel only the implementations for the models at hand count.
 """
 
 import functools
@@ -21,7 +20,7 @@ from hav_env.compiled.stable_text import name_of, stable_text
 from hav_env.models.annotations import is_model, values_of
 
 KERNELS: dict[Callable, str] = {}
-"""How each kernel is compiled; code that calls one is followed into it, wherever it is from."""
+"""Options of each kernel; code that calls one is followed into it, wherever it is from."""
 
 _PROJECT = "hav_env"
 _ASIDE = ("hav_env.compiled.", "hav_env.models.")  # threads and checks change no result
@@ -32,7 +31,7 @@ _MACHINERY = ("compiler.py", "instructions.py", "kernels.py")
 
 
 class Code(NamedTuple):
-    """What was found on the way through the code."""
+    """The findings on the way through the code."""
 
     digest: str
     """SHA-256 of all of it, in hexadecimal."""

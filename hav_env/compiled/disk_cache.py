@@ -1,7 +1,7 @@
-"""Machine code on disk: the compile cache of entries, each file checked before it is loaded.
+"""This module caches compiled entries on disk, and checks each file before it loads it.
 
-Numba's own cache unpickles whatever its files hold, fails where they are broken, and gives code of
-one signature the file of another where two processes compile at once.
+Numba's own cache unpickles any content of its files, and fails where they are broken. It also gives
+code of one signature the file of another where two processes compile at once.
 """
 
 import contextlib
@@ -51,7 +51,7 @@ class DiskCache(NullCache):
     def load_overload(self, sig: tuple, target_context: Any) -> Any:
         """Return the compiled form for a signature; None if there is none, or a broken one.
 
-        What is broken is removed, so that it is compiled and kept anew.
+        It removes a broken one, so that Numba compiles it anew.
         """
         target_context.refresh()
         index = self._index(sig, target_context.codegen())

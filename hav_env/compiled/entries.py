@@ -1,4 +1,4 @@
-"""Entries: the loops that Python calls, kept on disk and spread over threads."""
+"""This module makes entries: loops that Python calls, cached on disk and spread over threads."""
 
 import functools
 import logging

@@ -1,4 +1,4 @@
-"""What LLVM can do and Python cannot say, with the same bits in plain Python."""
+"""This module adds instructions of LLVM that Python lacks, and the same bits in plain Python."""
 
 import ctypes
 import math

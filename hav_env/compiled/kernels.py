@@ -1,4 +1,4 @@
-"""Kernels: functions that are compiled into the entries that call them."""
+"""This module makes kernels: functions that are compiled into the entries that call them."""
 
 import functools
 from collections.abc import Callable

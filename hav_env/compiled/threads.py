@@ -1,4 +1,4 @@
-"""Threads for loops that are free of the GIL."""
+"""This module runs loops that release the GIL on a pool of threads."""
 
 import collections
 import concurrent.futures

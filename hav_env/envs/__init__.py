@@ -1,1 +1,1 @@
-"""Environments: faces of the decision process for PettingZoo, Gymnasium, Stable-Baselines3."""
+"""This package has the environments for PettingZoo, Gymnasium and Stable-Baselines3."""

@@ -1,4 +1,7 @@
-"""Gymnasium's single environments: HAVSwarm-v0, all HAVs as one actor; HAVSingle-v0, one HAV."""
+"""This module has Gymnasium's environments HAVSwarm-v0 and HAVSingle-v0.
+
+In HAVSwarm-v0 all HAVs are one actor. In HAVSingle-v0 there is one HAV.
+"""
 
 from typing import Any, Unpack
 
@@ -14,7 +17,7 @@ from hav_env.mdp.decision_process import Settings
 
 
 class _WorldEnv(OfOneWorld, gym.Env):
-    """What both environments share."""
+    """The common part of both environments."""
 
     metadata: dict[str, Any] = {"render_modes": ENV_RENDER_MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
 

@@ -1,4 +1,4 @@
-"""Gymnasium's vector environments: W compiled worlds, stepped together."""
+"""This module has Gymnasium's vector environments: W compiled worlds, stepped together."""
 
 import numbers
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ _MODES = ["rgb_array", "ansi"]  # a window shows one world: that of a single env
 
 
 class _WorldsVectorEnv(VectorEnv):
-    """What both environments share."""
+    """The common part of both environments."""
 
     metadata: dict[str, Any] = {"render_modes": _MODES, "render_fps": RENDER_FPS}  # noqa: RUF012
 

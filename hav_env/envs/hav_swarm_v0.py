@@ -1,4 +1,4 @@
-"""PettingZoo's environment: every HAV of a world is an agent, hav_0, hav_1, ..."""
+"""This module has PettingZoo's parallel environment: each HAV is an agent, hav_0, hav_1, ..."""
 
 import numbers
 from typing import Any, ClassVar, Unpack

@@ -1,4 +1,4 @@
-"""Where environments show their worlds: pygame is loaded by those that draw, and by no others."""
+"""This module renders environments, and imports pygame only for those that draw."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ _DRAWN = ("human", "rgb_array")
 
 
 class Screen:
-    """Shows the worlds of a batch in one mode, with a viewer for each that is asked for."""
+    """Shows the worlds of a batch in one mode, with a viewer for each world that it shows."""
 
     def __init__(
         self, render_mode: str | None, batch: Batch, modes: list[str] = ENV_RENDER_MODES

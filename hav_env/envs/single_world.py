@@ -1,4 +1,4 @@
-"""One world for environments that step one: its episodes, what may be written into it, pictures."""
+"""This module steps one world for environments: its resets, their options, its pictures."""
 
 import copy
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ class Plan(NamedTuple):
     key: tuple[int, int]
     """Seed and number."""
     written: Explicit | None
-    """What is to be in place of what the scenario draws."""
+    """The scenario to begin, in place of a drawn one."""
 
 
 class SingleWorld:
@@ -174,7 +174,7 @@ def _read_episode(episode: Any) -> int:
 
 
 class OfOneWorld:
-    """What environments of one world have in common, whatever their interface."""
+    """The common part of environments of one world, whatever their interface."""
 
     _world: SingleWorld
 
@@ -185,7 +185,7 @@ class OfOneWorld:
 
     @property
     def scenario(self) -> Any:
-        """Who starts where and must go where."""
+        """The scenario of the world: fleets, start poses and goal poses."""
         return self._world.process.batch.scenario
 
     def render(self) -> Any:

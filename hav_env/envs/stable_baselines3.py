@@ -1,4 +1,7 @@
-"""The swarm for Stable-Baselines3: every HAV of every world is a row, all rows share one policy."""
+"""This module has the vector environment for Stable-Baselines3, in which HAVs share a policy.
+
+Every HAV of every world is a row.
+"""
 
 import numbers
 from collections.abc import Iterable, Sequence

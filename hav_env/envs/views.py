@@ -1,4 +1,4 @@
-"""How a decision process is shown to Gymnasium: all HAVs as one actor, or the first one alone."""
+"""This module shows a decision process to Gymnasium: all HAVs as one actor, or the first one."""
 
 import functools
 import operator

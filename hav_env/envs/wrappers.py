@@ -1,4 +1,4 @@
-"""Actions in physical units: speed in m/s and steering in rad, in place of -1 to 1."""
+"""This module lets actions be in physical units: speed [m/s] and steering [rad]."""
 
 from typing import Any
 

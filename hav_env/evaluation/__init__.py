@@ -1,1 +1,1 @@
-"""Evaluation of policies: episodes, the table of them, figures and their comparison."""
+"""This package evaluates policies: episodes, their table, figures, comparisons, statistics."""

@@ -1,4 +1,4 @@
-"""Score policies on the same episodes: one table of figures, and differences between policies."""
+"""This module compares policies on the same episodes: figures, and differences between policies."""
 
 import pathlib
 from typing import NamedTuple

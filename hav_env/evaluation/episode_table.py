@@ -1,4 +1,4 @@
-"""The table of an evaluation: one row for each HAV and episode, its columns declared one by one.
+"""This module makes the episode table of an evaluation: one row for each HAV and episode.
 
 A new column is one entry of ``COLUMNS``, ``GOAL_COLUMNS`` or ``MISS_COLUMNS``; docs/metrics.md
 tells what they mean.

@@ -32,6 +32,7 @@ class Evaluation(NamedTuple):
         return compare(self.names, self.tables)
 
     def __str__(self) -> str:
+        """Return the table of figures in Markdown."""
         head, *rows = (f"| {' | '.join(row)} |" for row in self.rows())
         return "\n".join([head, f"|{'---|' * (len(self.names) + 1)}", *rows])
 

@@ -1,4 +1,4 @@
-"""The figures of an evaluation, declared once: which columns are compared, and how.
+"""This module declares the figures of an evaluation: success rates, times, paths and the like.
 
 A new figure is one entry of ``FIGURES``.
 """

@@ -1,4 +1,4 @@
-"""The records of ended episodes, a row for each HAV: what the columns of the table are made of."""
+"""This module collects the records of ended episodes, a row for each HAV, for the episode table."""
 
 import functools
 

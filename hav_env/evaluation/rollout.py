@@ -1,4 +1,4 @@
-"""Whole episodes in a closed loop, compiled, and the table of what happened in them."""
+"""This module runs rollouts: whole compiled episodes of a policy, and the table of them."""
 
 import functools
 import os
@@ -42,11 +42,18 @@ def rollout_worlds(
     when there is none, the last lane takes its place.
 
     Args:
-        policy, task, vehicle: as in ``rollout``.
-        worlds: all episodes, each in its place; what happened in them is found there at the end.
-        order: (W,) in which order they are run.
-        stage: the worlds that are run at a time; places: (W,) whose episodes they are.
-        memory, speed, steering: of the stage.
+        first: first index into ``order`` to run.
+        last: index into ``order`` behind the last one to run.
+        policy: parameters of the policy that drives every HAV.
+        task: rules of the episodes.
+        vehicle: kinematics of the HAVs.
+        worlds: all W episodes, each in its place, where it also stands at the end.
+        order: (W,) places of the episodes, in the order in which they run.
+        stage: S worlds, which run at a time.
+        places: (S,) place of the episode that runs in each lane of the stage.
+        memory: (N, K, S) memory of the policy on the stage.
+        speed: (N, S) speeds of the trucks on the stage [m/s], overwritten.
+        steering: (N, S) steering angles on the stage [rad], overwritten.
     """
     waiting, active = first, 0
     while waiting < last and active < stage.lanes:
@@ -126,9 +133,11 @@ def rollout(
     Args:
         policy: drives every HAV: a policy, or its name.
         scenario: a scenario, or its name.
-        seed, episodes: episode k of a seed is the same whatever else is run.
-        task, vehicle: rules and kinematics.
-        threads: how many; the table does not depend on it.
+        seed: seed of the random numbers, a whole number of 64 bits from 0.
+        episodes: numbers of the episodes; episode k of a seed is the same whatever else runs.
+        task: rules of the episodes.
+        vehicle: kinematics of the HAVs, or their name.
+        threads: number of threads, on which the table does not depend.
 
     Returns:
         One row for each HAV and episode, columns as in docs/metrics.md.

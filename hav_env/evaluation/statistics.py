@@ -1,4 +1,7 @@
-"""Intervals for proportions and for differences between policies on the same episodes."""
+"""This module computes confidence intervals of proportions and of paired differences.
+
+Paired differences are those between policies on the same episodes.
+"""
 
 import math
 from typing import NamedTuple

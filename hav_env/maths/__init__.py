@@ -1,0 +1,1 @@
+"""This package computes without the simulator: Dubins paths, geometry, outlines, random numbers."""

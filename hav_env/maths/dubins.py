@@ -1,12 +1,12 @@
-"""Dubins paths: the shortest way to a pose for a point that drives forward and turns at a radius.
+"""This module computes Dubins paths, the shortest for a point that drives forward and turns.
 
-Everything is in the frame of the start pose, where the path is a function of the goal (forward,
-left, heading) and the radius alone. A path is one of six words of three segments. The words of
-Dubins (1957) follow here from the centres of the start's and the goal's circles: an outer tangent
-(LSL, RSR), an inner tangent (LSR, RSL) or a third circle that touches both (RLR, LRL).
+The frame is that of the start pose. There the path is a function of the goal (forward, left,
+heading) and the radius alone. A path is one of six words of three segments. The words of Dubins
+(1957) follow here from the centres of the start's and the goal's circles: an outer tangent (LSL,
+RSR), an inner tangent (LSR, RSL) or a third circle that touches both (RLR, LRL).
 
-The shortest path is found without a branch, so that loops over lanes may ask for it: all six words
-are worked out, and selections take the shortest.
+The search has no branch, so that loops over lanes may call it. It works out all six words, and
+selections take the shortest.
 """
 
 import math
@@ -101,7 +101,8 @@ def shortest_path(forward, left, heading, radius):
     """Return the shortest Dubins path to a goal pose in the frame of the start pose.
 
     Args:
-        forward, left: the goal's position [m].
+        forward: the goal's position along the start's heading [m].
+        left: the goal's position to the left of that [m].
         heading: the goal's heading less the start's [rad].
         radius: of all turns [m], positive.
 

@@ -1,12 +1,12 @@
-"""Sine, cosine, arctangent, exponential and rounding in a form that works on several lanes at once.
+"""This module computes sine, cosine, arctangent, exponential and rounding on several lanes at once.
 
-The C library's functions are called for one number at a time, and differ from platform to platform.
-These consist of additions, multiplications (the two fused where that is written), divisions and
-selections alone, so a compiler turns a loop over lanes into vector instructions, and the same
-numbers come out everywhere: compiled for any processor or run by Python.
+The C library's functions take one number at a time, and differ from platform to platform. These
+consist of additions, multiplications (fused where the code says so), divisions and selections. So a
+compiler turns a loop over lanes into vector instructions. The same numbers come out everywhere:
+compiled for any processor or run by Python.
 
 Errors are in units in the last place (ulp) of the result, measured against exact values by
-tests/test_elementary.py.
+tests/maths/test_elementary.py.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Plane geometry on floats: angles, frames and segments."""
+"""This module computes plane geometry on floats: angles, frames, segments, hulls."""
 
 import math
 
@@ -101,7 +101,14 @@ def hull_apart(rows, place, count, ax, ay, bx, by, margin):
     """Tell whether the convex hull of points keeps more than a margin [m] from the segment a-b.
 
     Args:
-        rows, place: where the points stand, x and y [m] one after the other; count: how many.
+        rows: array that holds the points, x and y [m] one after the other.
+        place: index of the first point's x in ``rows``.
+        count: number of points.
+        ax: x of the segment's first end [m].
+        ay: y of the segment's first end [m].
+        bx: x of the segment's second end [m].
+        by: y of the segment's second end [m].
+        margin: distance to exceed [m].
     """
     for i in range(count):
         px, py = rows[place + 2 * i], rows[place + 2 * i + 1]

@@ -1,11 +1,11 @@
-"""Outlines: convex polygons told by how far they extend in 24 directions.
+"""This module makes outlines (k-DOPs): convex polygons, told by their extent in 24 directions.
 
 An outline stands in ``SIDES`` rows of an array: entry k is the largest value of
-x cos(a) + y sin(a) [m] over all points that were included, at the angle a of side k. It holds all
-their convex combinations, and of a disc of radius r little more than the disc, 0.9 % of r at its
-corners. What was included touches every side, so that neighbouring sides meet in the corners.
+x cos(a) + y sin(a) [m] over all included points, at the angle a of side k. It holds all their
+convex combinations. Of a disc of radius r it holds little more than the disc, 0.9 % of r at its
+corners. The included points touch every side, so that neighbouring sides meet in the corners.
 
-Functions work on a slice of the rows, for then compiled code knows that no place is negative.
+Functions work on a slice of the rows, so that compiled code knows that no place is negative.
 """
 
 import math
@@ -83,9 +83,14 @@ def turn_outline(rows, outline, others, other, x, y, cosine, sine):
     """Write the outline round another one that is seen from a frame.
 
     Args:
-        rows, outline: where to write; it holds the other one and a little more.
-        others, other: rows and place of the other outline, in a frame of its own.
-        x, y, cosine, sine: where that frame is [m], and its heading.
+        rows: array to write the outline into; it holds the other one and a little more.
+        outline: index of its first row in ``rows``.
+        others: array that holds the other outline, in a frame of its own.
+        other: index of its first row in ``others``.
+        x: x of that frame's origin [m].
+        y: y of that frame's origin [m].
+        cosine: cosine of that frame's heading.
+        sine: sine of that frame's heading.
     """
     heading = atan2(sine, cosine)
     heading += TWO_PI if heading < 0.0 else 0.0

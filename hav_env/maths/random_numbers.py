@@ -1,8 +1,8 @@
-"""Random numbers without a generator: draw k of an episode is a function of (seed, episode, k).
+"""This module draws random numbers without a state: draw k is a function of (seed, episode, k).
 
-Threefry-2x32 with 20 rounds (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11).
-Nothing is carried along, so an episode is the same alone, in a batch, on any thread, compiled or
-not, and reaching draw k needs none of the draws before it.
+The function is Threefry-2x32 with 20 rounds (Salmon et al., "Parallel random numbers: as easy as 1,
+2, 3", SC11). So an episode is the same alone, in a batch, on any thread, compiled or not. Draw k
+needs none of the draws before it.
 """
 
 import math

@@ -1,1 +1,1 @@
-"""The decision process: actions in; observations, rewards, ends and reports out."""
+"""This package is the decision process: actions, observations, rewards, ends and reports."""

@@ -18,7 +18,7 @@ def read_action(name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
 
     Args:
         name: of the action, for the message: "the action of hav_0".
-        action: what the user passed: an array, or what NumPy makes one of.
+        action: the user's action: an array, or anything that NumPy turns into one.
         shape: that it must have.
 
     Raises:

@@ -1,4 +1,4 @@
-"""One action in a range of worlds, and what it led to: compiled."""
+"""This module advances a range of worlds by one action, compiled, and records the outcome."""
 
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ from hav_env.world.sensing import limits
 
 
 class Outcome(NamedTuple):
-    """What an action led to; the first C of the N HAVs of a world are controlled."""
+    """The outcome of an action; the first C of the N HAVs of a world are controlled."""
 
     observation: np.ndarray  # (W, C, D) float32
     info: np.ndarray  # (K, C, W) the report, then the returns so far by term of the reward
@@ -30,7 +30,7 @@ def outcome_size(controlled: int, columns: int, numbers: int) -> int:
 
 
 class Buffers(NamedTuple):
-    """What is kept from action to action, and scratch."""
+    """Arrays that last from action to action, and scratch."""
 
     command: np.ndarray  # (2, N, W) speed [m/s], steering [rad]
     remaining: np.ndarray  # (C, W) Dubins length to the goal [m]
@@ -46,7 +46,7 @@ class Portion(NamedTuple):
     opens: bool
     """The action begins with it."""
     steps: int
-    """Of the simulator."""
+    """Number of steps of the simulator."""
     closes: bool
     """The action ends with it."""
 

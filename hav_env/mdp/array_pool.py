@@ -1,9 +1,9 @@
-"""Large arrays whose memory is used again, once nobody holds any part of it.
+"""This module pools the memory of large arrays, and reuses it once nobody holds any part of it.
 
-Fresh memory for what an action leads to in thousands of worlds takes half as long as the action.
-What was returned must never change, though: whoever holds an array, a view of it or a buffer keeps
-its memory. That is not counted but owned: the arrays stand on a loan, which comes back when Python
-frees it. NumPy lets every view, whoever made it, keep what it stands on.
+Fresh memory for the outcome of an action in thousands of worlds takes half as long as the action.
+A returned array must never change, though. So the holder of an array, of a view of it or of a
+buffer keeps its memory. The pool does not count holders: the arrays stand on a loan, which comes
+back when Python frees it. Every view in NumPy keeps its base.
 """
 
 import collections

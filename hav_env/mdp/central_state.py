@@ -1,4 +1,4 @@
-"""The state of a whole world as one row of numbers, for centralized critics."""
+"""This module writes the state of a whole world as one row, for centralized critics."""
 
 import numpy as np
 from gymnasium import spaces

@@ -1,6 +1,6 @@
-"""The decision process that learners see: actions in; observations, rewards, ends, reports out.
+"""This module is the decision process of learners: actions, observations, rewards, ends, reports.
 
-Every environment is a face of it; a single environment is a decision process of one world.
+Every environment is a face of it. A single environment is a decision process of one world.
 """
 
 import warnings
@@ -89,8 +89,8 @@ class DecisionProcess:
             num_havs: N, if it is to be another than the scenario's.
             task: the rules.
             vehicle: the kinematics: a model, or its name or ``module:Class``.
-            observation: what learners see.
-            reward: what learners get: a model, or its name or ``module:Class``.
+            observation: observation of the learners.
+            reward: reward of the learners: a model, or its name or ``module:Class``.
             frame_skip: for how many steps of the simulator an action is held.
             threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
             rules: rules of the task that are to be others: ``max_steps``, ``on_goal``, ...

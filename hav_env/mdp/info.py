@@ -1,4 +1,4 @@
-"""The report on each HAV beside its observation: running totals of an episode, by name."""
+"""This module reports on each HAV (``info``): running totals of an episode, by name."""
 
 from hav_env.compiled import kernel
 from hav_env.world.arrays import (

@@ -1,7 +1,7 @@
-"""What a learner is rewarded for: named terms with weights, each reported under its name.
+"""This module computes rewards: named terms with weights, each reported under its name.
 
-A reward is a NamedTuple of weights whose type selects the kernel that works out its terms: the
-field ``progress`` is the weight of the term of that name. A HAV that waits gets nothing.
+A reward is a NamedTuple of weights. Its type selects the kernel that works out its terms. The field
+``progress`` is the weight of the term of that name. A HAV that waits gets nothing.
 """
 
 import functools
@@ -85,8 +85,8 @@ def reward_terms(
         agent: which HAV.
         before: (N, BEFORE_SIZE, W) columns WAITED .. COLLIDED, from before the action.
         remaining: (N, W) Dubins length to the goal under way [m], after the action.
-        terms: (T, N, W) to be written, in the order of the fields. What is written for a HAV that
-            waited before the action is ignored.
+        terms: (T, N, W) terms to write, in the order of the fields. The caller ignores those of a
+            HAV that waited before the action.
     """
 
 

@@ -1,4 +1,4 @@
-"""This module reads the annotations of models, ranges among them, and shows values in errors.
+"""This module reads the annotations of models, such as ranges, and shows values in errors.
 
 A model is a NamedTuple or a dataclass of parameters.
 """

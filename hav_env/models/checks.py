@@ -1,7 +1,7 @@
 """This module checks the fields of models by their annotations: kinds, ranges, allowed words.
 
-Ranges stand beside the fields, as in ``share: Annotated[float, Range(0.0, 1.0)]``. Models from
-outside the package profit alike: plain numbers must be finite.
+Ranges stand beside the fields, as in ``share: Annotated[float, Range(0.0, 1.0)]``. The module also
+checks models from outside the package: their plain numbers must be finite.
 """
 
 import functools
@@ -32,8 +32,9 @@ def check_model(kind: str, model: Any, stub: Any) -> None:
     """Check a model whose type selects a kernel.
 
     Args:
-        kind: what it is to be, for the message.
-        model: one; stub: the generic kernel that its type must be registered with.
+        kind: kind of model, for the message.
+        model: the model.
+        stub: the generic kernel with which its type must be registered.
 
     Raises:
         TypeError: when the type is not registered, or a field has a value of another kind.
@@ -49,7 +50,7 @@ def check_fields(kind: str, model: Any) -> None:
     """Check all fields of a model by their annotations, then what they must be to each other.
 
     Args:
-        kind: what the model is, for the message; a model in a field goes by the field's name.
+        kind: kind of model, for the message; a model in a field goes by the field's name.
         model: a NamedTuple or a dataclass.
 
     Raises:
@@ -78,9 +79,10 @@ def require(allowed: bool, kind: str, model: Any, field: str, rule: str) -> None
 
     Args:
         allowed: whether it is.
-        kind: what the model is, for the message.
-        model: a NamedTuple; field: one of its fields.
-        rule: what the value must be.
+        kind: kind of model, for the message.
+        model: a NamedTuple.
+        field: name of one of its fields.
+        rule: the rule for the value.
     """
     if not allowed:
         raise ValueError(
@@ -94,7 +96,7 @@ def check_value(name: str, kind: Any, value: Any) -> None:
     Args:
         name: of the argument, for the message.
         kind: an annotation, ``Annotated`` where a range is stated.
-        value: what was given.
+        value: value that the user gave.
 
     Raises:
         TypeError: when the value is of another kind.

@@ -11,8 +11,9 @@ def check_memory(name: str, value: int, needed: float) -> None:
     """Raise ValueError when arrays need more memory than there is.
 
     Args:
-        name: of the argument to blame; value: of that argument.
-        needed: bytes.
+        name: name of the argument to blame.
+        value: value of that argument.
+        needed: memory of the arrays [bytes].
     """
     most = available_memory()
     if needed > most:

@@ -1,6 +1,6 @@
 """This module finds models by name: built-in names, entry points, files and ``module:Class``.
 
-Every kind of model has a registry of its own, and all are asked by ``find_model``. A package of
+Every kind of model has a registry of its own, and ``find_model`` asks all of them. A package of
 your own registers names in its pyproject.toml, where the group is the registry's::
 
     [project.entry-points."hav_env.policies"]
@@ -42,9 +42,10 @@ class Registry:
         """Begin a registry, under which ``find_model`` finds models of this kind.
 
         Args:
-            kind, group: as above.
+            kind: kind of model, as errors call it.
+            group: group of the entry points that add names.
             is_registered: tells whether a class has a kernel.
-            remedy: what the user does about a class that has none, for the message.
+            remedy: advice to the user about a class that has none, for the message.
             built_in: models or classes of models, by name.
             readers: functions that read a model from a file, by the file's suffix.
         """

@@ -1,7 +1,7 @@
-"""This module says what models are to type checkers: policies, scenarios, vehicles, rewards.
+"""This module defines models for type checkers: policies, scenarios, vehicles, rewards.
 
-A model is a NamedTuple of its parameters. Its class is registered with the generic kernel of its
-kind, which type checkers do not see; ``check_policy``, ``check_scenario`` and the like do.
+A model is a NamedTuple of its parameters. A module registers its class with the generic kernel of
+its kind. Type checkers do not see that; ``check_policy``, ``check_scenario`` and the like do.
 """
 
 from typing import Any, Protocol
@@ -29,7 +29,7 @@ class RewardTerms(Model, Protocol):
 
 
 class FleetLimits(Protocol):
-    """What holds for all HAVs that a scenario can bring."""
+    """The limits of all HAVs that a scenario can bring."""
 
     @property
     def min_length(self) -> float:

@@ -1,8 +1,8 @@
 """This module states the ranges of quantities: lengths, speeds, durations, counts.
 
-Beyond these bounds nothing is meant, and inside them nothing overflows, ends in NaN or runs for
-ever: a truck that turns as quickly as it can for the longest episode turns by less than 2e15 rad,
-up to which sines mean something to the compiled code (``hav_env.maths.elementary.sincos``).
+Beyond these bounds no number has a meaning. Inside them nothing overflows, ends in NaN or runs for
+ever. For example, the quickest truck turns by less than 2e15 rad in the longest episode. Up to that
+angle ``hav_env.maths.elementary.sincos`` is right.
 """
 
 import math

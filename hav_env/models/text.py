@@ -1,11 +1,11 @@
-"""This module makes text safe to be shown: names may hold line breaks and escape sequences."""
+"""This module makes text safe to show: names may hold line breaks and escape sequences."""
 
 
 def visible(text: str) -> str:
-    """Return a text in which characters that no terminal should act on are written out.
+    r"""Return a text in which characters that no terminal should act on are written out.
 
     Line breaks, escape sequences, marks that reverse the direction of writing and broken characters
-    of file names become ``\\n``, ``\\x1b``, ``\\u202e`` and ``\\udcff``.
+    of file names become ``\n``, ``\x1b``, ``\u202e`` and ``\udcff``.
     """
     return "".join(
         c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text

@@ -1,6 +1,6 @@
-"""Sensing written as one flat row of named columns: what a learner sees of its HAV.
+"""This package writes observations: what a HAV senses as one flat row of named columns.
 
-Everything is in the HAV's own frame and in [-1, 1], lengths of units apart, which are in [0, 10].
+Everything is in the HAV's own frame. Lengths of units are in [0, 10], all else is in [-1, 1].
 docs/environments.md has the table of the columns, and says how to add one.
 """
 

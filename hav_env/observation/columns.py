@@ -1,4 +1,4 @@
-"""Columns of a row: how they are declared, and the scales on which values are written.
+"""This module declares columns of an observation, and the scales of their values.
 
 A group of columns is a tuple of ``Column``. It stands in the module of the kernel that writes it:
 own.py, route.py, neighbors.py. Names, bounds and places follow from it.

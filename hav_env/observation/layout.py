@@ -1,4 +1,4 @@
-"""The layout of a row: which groups of columns it has, and in which order."""
+"""This module lays out an observation: its groups of columns and their order."""
 
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ FIRST_OF_ROUTE, FIRST_OF_UNITS = len(ITSELF), len(ITSELF) + len(ROUTE)
 
 
 class Observation(NamedTuple):
-    """How much of its surroundings a learner sees."""
+    """The parts of its surroundings that a learner observes."""
 
     neighbors: Neighbors = 4
     """K, of how many HAVs in sensing range, nearest first; never more than there are others."""

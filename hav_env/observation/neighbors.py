@@ -1,4 +1,4 @@
-"""The columns of the nearest neighbours of a HAV."""
+"""This module observes a HAV's nearest neighbours: the columns that describe them."""
 
 import math
 
@@ -75,8 +75,8 @@ def neighbor_columns(chains: bool, fronts: bool, max_trailers: int) -> list[Colu
 def observe_neighbors(observation, world, agent, columns, first):
     """Write the columns of the K nearest neighbours, nearest first; zeros where there are fewer.
 
-    Who they are differs from lane to lane, so one lane after the other is looked at; what takes
-    roots and logarithms is then worked out for all lanes at once.
+    The nearest neighbours differ from lane to lane, so the kernel finds them lane by lane. It then
+    computes roots and logarithms for all lanes at once.
 
     Args:
         observation: settled for the number of HAVs.

@@ -1,4 +1,4 @@
-"""The columns of a HAV itself: its limits, its goal, its units."""
+"""This module observes the HAV itself: the columns of its limits, its goal, its units."""
 
 import math
 

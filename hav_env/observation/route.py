@@ -1,4 +1,4 @@
-"""The columns of the Dubins paths that lie ahead of a HAV."""
+"""This module observes the Dubins paths ahead of a HAV: the columns that describe them."""
 
 from hav_env.compiled import fixed, kernel
 from hav_env.maths.dubins import shortest_path_towards, turns

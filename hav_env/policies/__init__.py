@@ -1,4 +1,4 @@
-"""This package says what a policy is: its kernel, its memory, its names and its driver.
+"""This package defines policies: their kernels, their memory, their names and their driver.
 
 A policy is a NamedTuple of parameters and a kernel that decides from what one HAV senses.
 """

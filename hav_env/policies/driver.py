@@ -19,8 +19,9 @@ class PolicyDriver:
         """Take a policy, or the name of one: then its parameters are the defaults.
 
         Args:
-            policy, batch: what drives whom.
-            first: the HAVs before this one are driven otherwise. The policy does not act for them,
+            policy: a policy, or its name.
+            batch: the worlds whose HAVs it drives.
+            first: number of the first HAV that it drives. The policy does not act for those before,
                 and its memory of them, which others may hear, stays empty.
 
         Raises:

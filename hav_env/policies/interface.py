@@ -1,4 +1,7 @@
-"""What a policy is: a NamedTuple of parameters, and a kernel that acts on what one HAV senses."""
+"""This module defines policies: parameters, and a kernel that acts on what one HAV senses.
+
+It checks policies, allocates their memory, and lets HAVs hear the memory of others.
+"""
 
 import functools
 from collections.abc import Callable
@@ -34,7 +37,9 @@ def act(
         policy: the parameters; their type selects the kernel.
         memory: (N, K, W); ``memory[agent, :, lane]`` is the HAV's own. It belongs to whoever runs
             the episode and is zero at its beginning.
-        world, agent, lane: to be read through ``hav_env.world.sensing`` only.
+        world: a block of worlds, to be read through ``hav_env.world.sensing`` only.
+        agent: number of the HAV.
+        lane: which world of the block.
     """
     raise NotImplementedError
 
@@ -50,11 +55,15 @@ def act_lanes(
 ) -> None:
     """Decide for one HAV in every lane of a block of worlds.
 
-    What is decided for HAVs that wait is ignored; their memory must not change.
+    The simulator ignores decisions for HAVs that wait. Their memory must not change.
 
     Args:
-        policy, memory, world, agent: as for ``act``.
-        speed: (N, W) [m/s] and steering: (N, W) [rad], of which row ``agent`` is to be written.
+        policy: the parameters; their type selects the kernel.
+        memory: (N, K, W); ``memory[agent]`` is the HAV's own in all lanes.
+        world: a block of worlds, to be read through ``hav_env.world.sensing`` only.
+        agent: number of the HAV.
+        speed: (N, W) speeds of the trucks [m/s]; the policy writes row ``agent``.
+        steering: (N, W) steering angles [rad]; the policy writes row ``agent``.
     """
 
 
@@ -70,7 +79,7 @@ def act_one_by_one(policy, memory, world, agent, speed, steering):
 def act_all(policy, memory, world, speed, steering, first_agent):
     """Let the HAVs of a block of worlds from one on decide, (N, W) each.
 
-    What is written for a HAV that waits is void.
+    Values for a HAV that waits are void.
     """
     for hav in range(first_agent, speed.shape[0]):
         agent = fixed(hav)
@@ -248,7 +257,7 @@ def decide(
     Args:
         policy: a registered policy.
         memory: from ``allocate_memory``, kept from step to step, written to.
-        batch: what is sensed; pass the result to ``batch.step``.
+        batch: the worlds that HAVs sense; pass the result to ``batch.step``.
         first_agent: the first HAV that the policy acts for.
     """
     speed, steering = np.zeros((2, *batch.worlds.state.x.shape))

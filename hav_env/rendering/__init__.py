@@ -1,7 +1,7 @@
-"""Drawing of one world: ``Scene`` is what there is to see, ``viewer.Viewer`` draws it.
+"""This package draws one world: ``Scene`` is its visible state, ``viewer.Viewer`` draws it.
 
-This package needs NumPy only; ``hav_env.rendering.viewer`` needs pygame-ce and is imported by those
-who draw.
+This package needs NumPy only. ``hav_env.rendering.viewer`` needs pygame-ce, so only code that draws
+imports it.
 """
 
 from hav_env.rendering.scene import Scene, describe, scene_of

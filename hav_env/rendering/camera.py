@@ -1,4 +1,4 @@
-"""The camera: it chooses the visible part of the plane and projects points into the picture."""
+"""This module has the camera: it chooses the visible part of the plane, and projects points."""
 
 import math
 

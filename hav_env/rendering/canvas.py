@@ -1,4 +1,7 @@
-"""The canvas: shapes, drawn twice as large and shrunk to smooth their edges; then texts."""
+"""This module has the canvas, which draws shapes and texts by pygame.
+
+It draws shapes twice as large and shrinks them, which smooths their edges. Then it draws texts.
+"""
 
 import itertools
 import math
@@ -125,7 +128,7 @@ class Canvas:
         """Write a line.
 
         Args:
-            text: what to write.
+            text: text to write.
             place: where its anchor lies.
             size: height of the font.
             color: of the letters.

@@ -1,7 +1,7 @@
-"""Colours: of the ground, of each HAV, of danger. Told apart with any colour vision.
+"""This module chooses colours for the ground, each HAV and danger, for any colour vision.
 
-The HAVs' colours differ in lightness where they would be mistaken for each other, and each stands
-out from the ground (contrast of at least 3). Amber and red are kept free for danger.
+The HAVs' colours differ in lightness where hue alone could mislead. Each stands out from the ground
+(contrast of at least 3). Only danger is amber or red.
 """
 
 import functools

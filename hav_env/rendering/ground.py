@@ -1,4 +1,4 @@
-"""The ground below the HAVs: the grid, and the trails of the trucks."""
+"""This module draws the ground below the HAVs: the grid, and the trails of the trucks."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""The recent past of a scene: trails of the trucks, and the latest events."""
+"""This module keeps the recent past of a scene: trails of the trucks, and the latest events."""
 
 import collections
 

@@ -1,4 +1,4 @@
-"""Marks around the HAVs: goals, footprints, evasions."""
+"""This module draws marks around the HAVs: goals, footprints, evasions."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Text on the picture: clock and counts, each HAV in a line, events, a scale bar."""
+"""This module draws text on the picture: clock, counts, a line per HAV, events, a scale bar."""
 
 import numpy as np
 

@@ -1,6 +1,7 @@
-"""The visible state of one world at one moment, apart from the simulator and from any drawing.
+"""This module defines the scene: the visible state of one world at one moment.
 
-Shapes as in ``hav_env.world.arrays``: N HAVs, U units of a HAV.
+A scene needs neither the simulator nor a drawing. Shapes are as in ``hav_env.world.arrays``: N
+HAVs, U units of a HAV.
 """
 
 from typing import NamedTuple
@@ -46,14 +47,14 @@ class Scene(NamedTuple):
 
 
 def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None) -> Scene:
-    """Return what there is to see of one world; arrays are copies.
+    """Return the scene of one world; its arrays are copies.
 
     Args:
         worlds: of a batch.
         w: which world.
         dt: duration of a step [s].
-        evaded: (N,) number of the HAV that each one evades, -1 for none; None when unknown. What
-            is said of HAVs that wait is ignored, since they decide nothing.
+        evaded: (N,) number of the HAV that each one evades, -1 for none; None when unknown. The
+            scene ignores HAVs that wait, since they decide nothing.
     """
     state, fleet, record = worlds.state, worlds.fleet, worlds.record
     x, y = state.x[:, w].copy(), state.y[:, w].copy()

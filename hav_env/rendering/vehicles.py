@@ -1,4 +1,4 @@
-"""HAVs, to scale: in detail when near, as chains when far away."""
+"""This module draws HAVs to scale: in detail when near, as chains when far away."""
 
 import numpy as np
 

@@ -1,6 +1,6 @@
-"""The viewer: draws scenes one after the other, into arrays or into a window.
+"""This module has the viewer, which draws scenes one after the other, into arrays or a window.
 
-A copy of a viewer, or one that was pickled, draws what the viewer itself would have drawn.
+A copied or unpickled viewer draws what the viewer itself would have drawn.
 
 Keys in the window: F follows one HAV after the other, then shows all; + and - zoom; T trails;
 C circles; space pauses. Closing the window ends the drawing, not the program.
@@ -41,7 +41,8 @@ class Viewer:
 
     Attributes:
         follow: which HAV the camera follows, None to see all.
-        trails, circles: whether they are drawn.
+        trails: whether the viewer draws trails.
+        circles: whether the viewer draws footprints as circles.
         closed: nothing is drawn any more, since ``close`` was called or the window was closed.
     """
 

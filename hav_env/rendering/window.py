@@ -1,4 +1,4 @@
-"""The window: pygame has one in a process, so all viewers draw in the same one."""
+"""This module opens the window: pygame has one in a process, so all viewers share it."""
 
 import os
 import weakref

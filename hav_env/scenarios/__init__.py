@@ -1,9 +1,9 @@
-"""Who starts where and must go where: one file for each kind of scenario, chosen by its type.
+"""This package has the scenarios, which place HAVs and goals: one file for each kind.
 
-A scenario is a NamedTuple that has ``num_havs``, ``num_goals`` and ``max_trailers``, from which the
-arrays get their shapes, ``articulation_max``, beyond which its HAVs are jackknifed [rad], and a
-``fleet``, which says how HAVs are drawn and what the limits of all are. A HAV's lengths and limits
-are written down in ``Explicit``, which is its own fleet.
+A scenario is a NamedTuple whose type selects its kernel. The arrays get their shapes from its
+fields ``num_havs``, ``num_goals`` and ``max_trailers``. Beyond ``articulation_max`` [rad] its HAVs
+are jackknifed. Its ``fleet`` draws the HAVs and states the limits of all. ``Explicit`` writes down
+each HAV's lengths and limits, and is its own fleet.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""A column: one HAV behind the other, straight on."""
+"""This module has the scenario of a column: one HAV behind the other, straight on."""
 
 from typing import NamedTuple
 
@@ -12,13 +12,13 @@ class Column(NamedTuple):
     """HAVs one behind the other on a line, HAV 0 in front; goals are the same column further on."""
 
     num_havs: Havs = 5
-    """How many HAVs are in the column."""
+    """Number of HAVs in the column."""
     num_goals: Goals = 1
-    """How many times the column moves on."""
+    """Number of times that the column moves on."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
     distance: Gap = 200.0
-    """How far the column moves on for each goal [m]."""
+    """Distance that the column moves on for each goal [m]."""
     gap: Gap = 10.0
     """Gap [m] between the footprint of a HAV and that of the one behind, or the front of its truck
     where that sticks out."""

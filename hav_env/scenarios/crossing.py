@@ -1,4 +1,7 @@
-"""A crossing: everybody stands on a circle and must go through its centre to the other side."""
+"""This module has the scenario of a crossing.
+
+All HAVs stand on a circle and must go through its centre to the other side.
+"""
 
 import math
 from typing import NamedTuple
@@ -19,9 +22,9 @@ class Crossing(NamedTuple):
     """
 
     num_havs: Havs = 2
-    """How many HAVs meet at the centre."""
+    """Number of HAVs that meet at the centre."""
     num_goals: Goals = 1
-    """How many times each HAV crosses."""
+    """Number of times that each HAV crosses."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
     gap: Gap = 20.0

@@ -1,4 +1,4 @@
-"""A scenario that is written down: given lengths, start poses and goal poses."""
+"""This module has scenarios that are written down: given lengths, start poses and goal poses."""
 
 import math
 from collections.abc import Sequence
@@ -70,7 +70,9 @@ def explicit(
         lengths: for each HAV the lengths [m] of its truck and its trailers, at least one trailer.
         start: for each HAV x [m], y [m], heading [rad].
         goals: for each HAV its goal poses, as many as the others have.
-        speed_max, steering_max, articulation_max: limits of all HAVs [m/s, rad, rad].
+        speed_max: largest speed of all HAVs [m/s].
+        steering_max: largest steering angle of all HAVs [rad].
+        articulation_max: articulation beyond which HAVs are jackknifed [rad].
         footprint_truck_share: share of the truck's length in the footprint radius d_i.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Random fleets, the paper's section V: trucks and trailers, their lengths and limits."""
+"""This module draws random fleets, the paper's section V: units, lengths, limits."""
 
 import math
 from typing import NamedTuple
@@ -23,7 +23,7 @@ _MOST_DRAWS = 10_000  # of one length or count, before the limits are held to be
 
 
 class RandomFleet(NamedTuple):
-    """How the HAVs of an episode are drawn; the defaults are the paper's."""
+    """The distributions of the HAVs of an episode; the defaults are the paper's."""
 
     min_trailers: Trailers = 1
     max_trailers: Trailers = 10
@@ -71,8 +71,10 @@ def draw_fleet(random_fleet, fleet, lane, key, draw):
 
     Args:
         random_fleet: a RandomFleet.
-        fleet: the arrays to be filled.
-        key: of the episode; draw: number of the first random number.
+        fleet: the arrays to fill.
+        lane: which world of the block.
+        key: key of the episode's random numbers, see ``scenario_key``.
+        draw: number of the first random number.
 
     Returns:
         The number of the next random number.

@@ -1,4 +1,4 @@
-"""The names of scenarios, for papers to cite: what a name stands for does not change.
+"""This module names scenarios, for papers to cite; the meaning of a name does not change.
 
 | name | scenario |
 |---|---|
@@ -78,8 +78,8 @@ def scenario_of(
         num_havs: how many HAVs it is to have, if not as many as it has.
 
     Raises:
-        ValueError: when there is no such scenario, a parameter is not allowed, or the number of
-            HAVs is asked of a scenario in which it is written down.
+        ValueError: when there is no such scenario, a parameter is not allowed, or the scenario
+            writes its HAVs down and has another number of them.
         TypeError: when this is no scenario.
     """
     found = find_scenario(scenario) if isinstance(scenario, str | os.PathLike) else scenario

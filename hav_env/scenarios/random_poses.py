@@ -1,4 +1,4 @@
-"""The paper's scenario, section V: random fleets, random start poses, random goal poses."""
+"""This module has the paper's scenario, section V: random fleets, start poses and goal poses."""
 
 import math
 from typing import NamedTuple
@@ -17,7 +17,7 @@ class RandomPoses(NamedTuple):
     num_havs: Havs = 1
     """M, how many HAVs share the plane; the paper's are 1 and 2."""
     num_goals: Goals = 2
-    """How many goals each HAV gets, one after the other."""
+    """Number of goals that each HAV gets, one after the other."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
     area_factor: AreaFactor = 4.0

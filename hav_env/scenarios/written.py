@@ -1,4 +1,4 @@
-"""This module checks what a scenario was written down with: lists of numbers, lengths, poses."""
+"""This module checks numbers of scenarios that are written down: lists, lengths, poses."""
 
 import math
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ def read_numbers(name: str, value: Any, depth: int) -> list:
 
     Args:
         name: of the argument, for the message.
-        value: what was given.
+        value: value that the user gave.
         depth: how many lists a number stands in.
 
     Raises:

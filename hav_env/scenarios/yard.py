@@ -1,4 +1,7 @@
-"""A yard: rows of bays beside each other; everybody leaves one bay for a random one opposite."""
+"""This module has the scenario of a yard: rows of bays beside each other.
+
+Each HAV leaves one bay for a random one opposite.
+"""
 
 import math
 from typing import NamedTuple
@@ -20,17 +23,17 @@ class Yard(NamedTuple):
     """
 
     num_havs: Havs = 4
-    """How many HAVs, and bays in a row."""
+    """Number of HAVs, and of bays in a row."""
     num_goals: Goals = 1
-    """How many rows of goal bays, one behind the other."""
+    """Number of rows of goal bays, one behind the other."""
     fleet: RandomFleet = RandomFleet()
     """Trucks and trailers."""
     aisle: Gap = 100.0
-    """Distance of the rows [m], from rear axles to rear axles. Whoever moves to a bay far to the
-    side turns a quarter circle, drives along the aisle and turns a quarter circle back, which takes
-    2 R_min of its width; a shorter way to the side takes less. R_min, eq. (rmin), is below 39.8 m
-    in the default fleet (a truck and ten trailers of 12 m) and usually about 15 m, so 100 m leave
-    room for everybody and nobody needs a loop."""
+    """Distance of the rows [m], from rear axles to rear axles. A HAV that moves to a bay far to
+    the side turns a quarter circle, drives along the aisle and turns a quarter circle back, which
+    takes 2 R_min of its width; a shorter way to the side takes less. R_min, eq. (rmin), is below
+    39.8 m in the default fleet (a truck and ten trailers of 12 m) and usually about 15 m, so 100 m
+    leave room for everybody and nobody needs a loop."""
     gap: Gap = 10.0
     """Gap [m] between the footprints of HAVs in neighbouring bays."""
 

@@ -1,0 +1,1 @@
+"""This package steps batches of worlds: motion, sensing, collisions, goals."""

@@ -1,4 +1,4 @@
-"""A batch of worlds that share a scenario: owns the arrays; reset and step."""
+"""This module has a batch of worlds that share a scenario: it owns the arrays, resets and steps."""
 
 from typing import Any
 
@@ -47,7 +47,9 @@ class Batch:
 
     Attributes:
         worlds: the arrays, see ``hav_env.world.arrays``; the world is their last axis.
-        scenario, task, vehicle: what the worlds are, by which rules, and how HAVs move.
+        scenario: fleets, start poses and goal poses of the worlds.
+        task: rules of the episodes.
+        vehicle: kinematics of the HAVs.
         bytes_per_world: how much memory each takes.
     """
 
@@ -62,7 +64,10 @@ class Batch:
         """Allocate the worlds; they are empty until ``reset``.
 
         Args:
-            scenario, num_worlds, task, vehicle: as above.
+            scenario: fleets, start poses and goal poses of the worlds.
+            num_worlds: number W of worlds.
+            task: rules of the episodes.
+            vehicle: kinematics of the HAVs.
             threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
 
         Raises:
@@ -126,8 +131,8 @@ class Batch:
         """Advance every world by one step; worlds that have ended go on as well.
 
         Args:
-            speed: (N, W) of the trucks [m/s]; steering: (N, W) [rad], left positive. Both are cut
-                to the limits of each HAV.
+            speed: (N, W) speeds of the trucks [m/s], cut to the limits of each HAV.
+            steering: (N, W) steering angles [rad], left positive, cut likewise.
 
         Raises:
             ValueError: when a shape is wrong or a number is not finite.
@@ -150,7 +155,7 @@ class Batch:
 
     @property
     def num_threads(self) -> int:
-        """How many threads are worth their while."""
+        """Number of threads that are worth their while."""
         most = max(1, self.worlds.state.x.size // _FEWEST)
         return min(self.threads or default_threads(), most)
 

@@ -1,4 +1,7 @@
-"""One step of a block of worlds: the whole decision process on one screen."""
+"""This module steps a block of worlds, and begins and ends their episodes.
+
+It is the whole transition of the decision process: motion, events, goals, time.
+"""
 
 from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.geometry import clip
@@ -138,7 +141,7 @@ def _begin_phase(world, lane, phase):
 def remove_arrived(task, world):
     """Let HAVs that have hit their last goals leave, if that is the rule; each to its own place.
 
-    Whoever takes an action calls this first, so that what an action led to is seen before.
+    The caller that takes an action calls this first, so that users see its outcome before.
     """
     if task.on_goal == REMOVE:
         _remove_arrived(task, world)

@@ -1,7 +1,7 @@
-"""This module tries code of the user's once as plain Python, before it is compiled.
+"""This module tries a user's code once as plain Python, before Numba compiles it.
 
 A misspelt name or a wrong result is then one line that names the user's file and line. Numba would
-take seconds, and say it in a page. Models of the project are not tried, and each class is once.
+take seconds, and say it in a page. The module tries each class once, and none of the project's.
 """
 
 import traceback

@@ -1,4 +1,4 @@
-"""How a truck and its trailers move: one file for each model, chosen by its type."""
+"""This package has the kinematics of trucks and trailers: one file for each model."""
 
 from typing import Any
 

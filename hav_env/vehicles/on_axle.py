@@ -1,4 +1,4 @@
-"""The paper's kinematics: an Ackermann truck, trailers hitched on the axle ahead."""
+"""This module has the paper's kinematics: an Ackermann truck and on-axle hitched trailers."""
 
 from typing import NamedTuple
 

@@ -1,11 +1,11 @@
-"""The arrays that a batch of worlds consists of.
+"""This module declares the arrays of a batch of worlds: states, fleets, records.
 
 Shapes: N HAVs of a world, U units of a HAV (unit 0 is the truck; padded), G goals of a HAV, W
 worlds. The world is the last axis, the "lane": kernels run over HAVs and units outside and over the
 lanes inside, where one instruction works on several worlds. ``World`` names the whole batch as well
 as a block of its lanes.
 
-Quantities that belong together share an array and have named columns: every array is one more
+Quantities that belong together share an array and have named columns. Every array is one more
 argument of every kernel, and compiling and calling slow down with their number.
 """
 

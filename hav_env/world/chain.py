@@ -1,4 +1,4 @@
-"""The chain of a HAV: where its axles are, given its pose, headings and lengths.
+"""This module computes the chain of a HAV: its axles, given its pose, headings and lengths.
 
 The truck's front axle is its length ahead of its rear axle. Each trailer is hitched on the axle
 ahead of it, and its own axle is its length behind. The simulator calls the kernels, and drawings

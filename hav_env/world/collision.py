@@ -1,4 +1,4 @@
-"""Footprints and chains: whether HAVs could touch, and whether they do."""
+"""This module detects collisions: potential ones of footprints, actual ones of chains."""
 
 import math
 

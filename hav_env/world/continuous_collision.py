@@ -1,4 +1,4 @@
-"""Continuous collision detection: chains whose axles go straight from step to step.
+"""This module detects collisions continuously, between steps.
 
 Each axle goes at constant speed from its place before a step to its place after it. Two links meet
 when an end of one passes through the other, which is a root of a quadratic of time.

@@ -1,4 +1,4 @@
-"""The events that can happen to a HAV, declared once.
+"""This module declares the events that can happen to a HAV: jackknifes, collisions and others.
 
 Tables, reports, figures, drawings and the replay page iterate over ``EVENTS``. A new event is one
 entry here, one row of ``Record.first``, and the rule that records it.

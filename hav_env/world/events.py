@@ -1,4 +1,4 @@
-"""Rules that test and record events: jackknifes, collisions, goal hits, close misses."""
+"""This module tests and records events: jackknifes, collisions, goal hits, close misses."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Lanes: blocks of a batch's worlds, worlds that change places, and the view of one."""
+"""This module handles lanes: blocks of worlds, worlds that change places, the view of one."""
 
 from typing import Any
 

@@ -1,4 +1,7 @@
-"""Who is within sensing range of whom, without looking at all pairs of a large swarm."""
+"""This module finds the neighbours of each HAV within sensing range.
+
+In large swarms it searches the cells of a grid, not all pairs.
+"""
 
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import floor
@@ -50,8 +53,11 @@ def _append(nearby, agent, other, lane):
 
 @kernel
 def _search_grid(task, world, lane):
-    """Search one world. All lanes of a block use the same scratch, in which HAVs lie side by side,
-    as they do not in the arrays of the worlds."""
+    """Search one world.
+
+    All lanes of a block use the same scratch. HAVs lie side by side there, as they do not in the
+    arrays of the worlds.
+    """
     grid, place = world.nearby.grid[world.first], world.nearby.place[world.first]
     num_havs = world.state.x.shape[0]
     for agent in range(num_havs):

@@ -1,8 +1,8 @@
-"""What one HAV can know: itself, its goal, and its neighbours, in its own frame.
+"""This module senses for one HAV: itself, its goal, and its neighbours, in its own frame.
 
 The frame's origin is the rear axle of the HAV's truck, and "forward" is along the truck. Policies
-read the world through these functions alone: that is the decentralisation contract of the paper,
-and it makes every policy indifferent to where in the plane the world lies.
+read the world through these functions alone. That is the decentralisation contract of the paper. It
+also makes every policy indifferent to where in the plane the world lies.
 """
 
 from hav_env.compiled import kernel

@@ -1,4 +1,4 @@
-"""The rules of an episode: its clock, what counts as reaching a goal, what ends it, sensing."""
+"""This module states the rules of an episode: clock, goal tolerances, ends, sensing."""
 
 from typing import Literal, NamedTuple
 

@@ -1,0 +1,1 @@
+"""This package tests the replay page in a browser."""

@@ -1,0 +1,1 @@
+"""This package tests the command line of the simulator."""

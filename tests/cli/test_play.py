@@ -47,6 +47,7 @@ class Road:
     """An environment that ends after three steps and writes down what it is asked."""
 
     def __init__(self, **info):
+        """Take the info of every step."""
         self.calls, self.actions, self.info, self.left = [], [], info, 0
 
     def reset(self, *, seed=None):

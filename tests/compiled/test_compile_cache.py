@@ -118,6 +118,7 @@ def test_a_class_that_is_no_more_is_compiled_again(kept, monkeypatch, caplog):
 
 class Planted:
     def __reduce__(self):
+        """Return the call that unpickling makes."""
         return pathlib.Path.touch, (pathlib.Path("planted"),)
 
 

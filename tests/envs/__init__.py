@@ -1,0 +1,1 @@
+"""This package tests the environments for PettingZoo, Gymnasium and Stable-Baselines3."""

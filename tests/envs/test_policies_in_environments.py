@@ -25,6 +25,7 @@ class Actor:
     """AVOID-JACK as a learner acts: shares of speed and steering from -1 to 1."""
 
     def __init__(self, batch):
+        """Take the worlds whose HAVs it drives."""
         self.driver, self.limit = PolicyDriver("avoid_jack", batch), batch.worlds.fleet.limit
 
     def act(self):

@@ -1,0 +1,1 @@
+"""This package tests rollouts, tables of episodes and statistics."""

@@ -1,4 +1,4 @@
-"""The house holds: small folders, short files, floors that know lower ones, one meaning a name."""
+"""The house holds: small folders, short files, floors above lower ones, one name one meaning."""
 
 import ast
 import collections

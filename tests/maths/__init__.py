@@ -1,0 +1,1 @@
+"""This package tests the mathematics: Dubins paths, geometry, elementary functions."""

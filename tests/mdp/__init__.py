@@ -1,0 +1,1 @@
+"""This package tests the decision process: actions, rewards, ends, reports."""

@@ -20,6 +20,7 @@ class Stubborn:
     """Cannot be made an array of."""
 
     def __array__(self, *arguments, **keywords):
+        """Refuse."""
         raise RuntimeError("I am\nno array")
 
 

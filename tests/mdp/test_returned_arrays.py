@@ -42,6 +42,7 @@ class Stable:
     """Stable-Baselines3's worlds behind Gymnasium's calls."""
 
     def __init__(self, env):
+        """Take Stable-Baselines3's worlds."""
         self.env = env
 
     def reset(self, seed=None):

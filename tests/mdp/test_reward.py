@@ -53,6 +53,7 @@ class Referee:
     """Works out the terms of ``Reward`` anew from the states of the worlds."""
 
     def __init__(self, worlds):
+        """Take the worlds, and note their states."""
         self.worlds, self.total = worlds, np.zeros((len(TERMS), *worlds.state.x.shape))
         self.note()
 

@@ -1,0 +1,1 @@
+"""This package tests names, fields and ranges of models."""

@@ -48,6 +48,7 @@ class Witness:
     """Looks at one world from outside, with complex numbers for places."""
 
     def __init__(self, batch, w):
+        """Take a batch and the number of one of its worlds."""
         self.state, self.fleet = batch.worlds.state, batch.worlds.fleet
         self.w, self.num_goals = w, batch.scenario.num_goals
         self.places = self.state.x[:, w] + 1j * self.state.y[:, w]

@@ -21,12 +21,15 @@ class Row:
     """The columns of one observation by name, in metres and radians."""
 
     def __init__(self, values, columns):
+        """Take the values of a row and the place of each column."""
         self._values, self._columns = values, columns
 
     def __getitem__(self, name):
+        """Return the value of a column."""
         return float(self._values[self._columns[name]])
 
     def __contains__(self, name):
+        """Tell whether the row has a column."""
         return name in self._columns
 
     def metres(self, name):

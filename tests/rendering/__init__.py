@@ -1,0 +1,1 @@
+"""This package tests drawings, windows and the viewer."""

@@ -1,0 +1,1 @@
+"""This package tests batches of worlds: episodes, determinism, steps."""

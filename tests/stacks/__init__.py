@@ -1,0 +1,1 @@
+"""This package tests learners of other projects: Ray, TorchRL, Minari."""

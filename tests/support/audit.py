@@ -190,8 +190,12 @@ def drive(
     """Let a policy drive until all HAVs have arrived, and audit every step.
 
     Args:
-        scenario, seed, episodes: which worlds; steps: how many at most.
-        policy, task: what drives, and the rules.
+        scenario: scenario of the worlds.
+        seed: seed of their random numbers.
+        episodes: numbers of the episodes, one for each world.
+        steps: largest number of steps.
+        policy: policy that drives every HAV.
+        task: rules of the episodes.
         interfere: is called with step, memory, speed and steering before each step, to change them.
     """
     batch = Batch(scenario, len(episodes), task)

@@ -74,8 +74,10 @@ def random_network(
 
 
 def pursuing_network(neighbors=0, max_trailers=10, **fields) -> Network:
-    """Return a network that follows the Dubins path to the goal at full speed, without any layer
-    between, and with outputs that are cut."""
+    """Return a network that follows the Dubins path to the goal at full speed.
+
+    It has no layer between, and its outputs are cut.
+    """
     network = random_network(0, (), neighbors, max_trailers, **fields)
     columns = name_columns(network.observation, max_trailers)
     turn = np.array([name == "goal_path_turn" for name in columns], float)

@@ -63,9 +63,11 @@ def change(path, where, name, value):
 
 class Planted:
     def __init__(self, call, *args):
+        """Take the call that unpickling would make."""
         self.told = call, args
 
     def __reduce__(self):
+        """Return the call."""
         return self.told
 
 

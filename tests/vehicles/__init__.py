@@ -1,0 +1,1 @@
+"""This package tests the kinematics of trucks and trailers."""

@@ -1,0 +1,1 @@
+"""This package tests what happens in a world: collisions, goals, events, sensing."""

@@ -1,1 +1,1 @@
-"""PPO on Ray RLlib."""
+"""This package trains by PPO on Ray RLlib."""

@@ -1,4 +1,4 @@
-"""The arguments of ``train.rllib`` and their presets."""
+"""This module declares the arguments of ``train.rllib`` and their presets."""
 
 import dataclasses
 import pathlib
@@ -12,27 +12,27 @@ from train.training_task import CURRICULUM, OBSERVATION, REWARD, VEHICLE
 
 @dataclasses.dataclass(frozen=True)
 class Arguments:
-    """How to train; words as in train.ppo."""
+    """The arguments of a training; words as in train.ppo."""
 
     scenario: str = "paper-single"
-    """Its name, a JSON file or module:Class."""
+    """Scenario: its name, a JSON file or module:Class."""
     output: pathlib.Path = pathlib.Path("runs/rllib-single")
     """Folder of the run."""
     address: str | None = None
-    """Of a Ray cluster, HOST:PORT or auto; by default one is started on this machine."""
+    """Address of a Ray cluster, HOST:PORT or auto; by default one is started on this machine."""
     seed: checks.Seed = 0
-    """Of the episodes and the weights."""
+    """Seed of the episodes and the weights."""
     decisions: checks.Decisions = 5_000_000
     """For how long to learn: actions of all HAVs together."""
     runners: checks.Runners = 0
     """Processes that drive, on a core each; with 0 the one that learns drives too."""
     worlds: checks.Worlds = 32
-    """How many each process has side by side."""
+    """Number of worlds that each process has side by side."""
     rollout_decisions: checks.Several = 128
     """Actions of each HAV between updates."""
     batch_size: checks.Several = 1_024
     epochs: checks.Epochs = 8
-    """How often each action is learned from."""
+    """Number of times that PPO learns from each action."""
     learning_rate: checks.AboveZero = 5e-4
     """At the beginning; it falls to nothing along a straight line."""
     discount: checks.Discount = 0.995
@@ -48,11 +48,11 @@ class Arguments:
     frame_skip: checks.Skipped = 5
     """For how many steps of the simulator an action is held."""
     max_steps: checks.Steps = 4_000
-    """Of an episode to train on, in steps of the simulator; those of evaluations are the task's."""
+    """Most simulator steps of a training episode; those of evaluations are the task's."""
     observation: Observation = OBSERVATION
-    """What a HAV observes of others; of no more than there are."""
+    """The observation of others; of no more than there are."""
     trailer_sigma: checks.Spread = 4.5
-    """Of the trailer counts to train on, see ``RandomFleet``; evaluations have the scenario's."""
+    """Sigma of trailer counts in training (``RandomFleet``); evaluations have the scenario's."""
     vehicle: Any = VEHICLE
     """The kinematics."""
     reward: Any = REWARD
@@ -60,7 +60,7 @@ class Arguments:
     reward_scale: checks.AboveZero = 0.1
     """Times which the reward is learned from: RLlib does not normalize it."""
     curriculum: Curriculum = CURRICULUM
-    """How the weights of harm grow."""
+    """Growth of the weights of harm."""
     evaluate_every: checks.Decisions = 200_000
     """Decisions between evaluations."""
     evaluation_episodes: checks.Episodes = 500

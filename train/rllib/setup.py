@@ -1,4 +1,4 @@
-"""What RLlib is given: the swarm as its environment, the network, the configuration of PPO."""
+"""This module sets RLlib up: the swarm as its environment, the network, the settings of PPO."""
 
 import dataclasses
 from typing import Any
@@ -78,7 +78,7 @@ class HAVMultiAgentEnv(MultiAgentEnv):
 
 
 class HAVModule(DefaultPPOTorchRLModule):
-    """RLlib's own network, which begins with actions near zero and the deviation that it is told.
+    """RLlib's own network, which begins with actions near zero and a given deviation.
 
     ``model_config`` is RLlib's as a dictionary, with ``deviation``.
     """

@@ -1,4 +1,4 @@
-"""The task of ``train.ppo`` on Ray RLlib, one policy for all HAVs.
+"""This module trains on the task of ``train.ppo`` by Ray RLlib, one policy for all HAVs.
 
     python -m train.rllib --preset pair --runners 2
     python -m train.rllib --preset pair --runners 64 --worlds 16 --address auto
@@ -10,7 +10,7 @@ is that of ``train.ppo``, and so is the network. Observations are not normalized
 statistics for each agent, not for a policy. On one machine, ``train.ppo`` is many times faster.
 
 The folder of a run holds ``run.json`` (arguments, versions), ``curve.json`` (every evaluation),
-``best.policy`` (what did best on the held-out episodes), ``last.policy``. It cannot be resumed.
+``best.policy`` (the best on the held-out episodes), ``last.policy``. It cannot be resumed.
 """
 
 import dataclasses
@@ -129,7 +129,7 @@ def read_arguments(words: list[str]) -> Arguments:
 
 
 def main(words: list[str] | None = None) -> int:
-    """Train; return the exit code. What is wrong is said in one line."""
+    """Train, report an error in one line, and return the exit code."""
     logging.basicConfig(format="%(message)s")
     torch.set_num_threads(1)
     hint = "the folder of the run keeps the policies so far"

@@ -1,1 +1,1 @@
-"""PPO on Stable-Baselines3: its callback, checkpoints and warm starts."""
+"""This package trains by PPO on Stable-Baselines3: callback, checkpoints, warm starts."""

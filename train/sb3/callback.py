@@ -1,4 +1,4 @@
-"""What happens between the iterations of a training: log, bar, evaluations, checkpoints."""
+"""This module acts between the iterations of PPO: log, bar, evaluations, checkpoints."""
 
 import json
 import time

@@ -1,7 +1,7 @@
-"""Everything that changes while a PPO learns, in one file: who reads it goes on bit for bit.
+"""This module writes and reads checkpoints of PPO: everything that changes while it learns.
 
-The file holds tensors, numbers and text, and nothing that runs: ``train.sb3.tensor_files`` reads
-it.
+A run that resumes from one goes on bit for bit. The file holds tensors, numbers and text, and
+nothing that runs: ``train.sb3.tensor_files`` reads it.
 """
 
 import functools

@@ -1,4 +1,7 @@
-"""Begin a training with what another one has learned: first to drive alone, then in company."""
+"""This module begins a training with an earlier one's policy (a warm start).
+
+A policy can thus learn to drive alone first, then in company.
+"""
 
 from typing import Any
 

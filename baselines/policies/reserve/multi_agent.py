@@ -1,6 +1,6 @@
-"""What a HAV under Reserve does among others, in each step: its states and their transitions.
+"""This module decides each step of a HAV under Reserve among others: a state machine.
 
-The row ``MODE`` of its memory holds the state. Others hear it.
+The row ``MODE`` of its memory holds the state, which others hear.
 
 ``STANDING``: The HAV has reserved nothing and does not move. Others keep clear of its chain.
     It tries to begin every ``TRY_PERIOD`` steps. A reserved path or circle leads to ``RESERVED``.
@@ -18,7 +18,7 @@ A new goal leads from every state to ``STANDING``. Within ``RESERVED`` a HAV fol
 *Rest*: the rest of its path, to the stop at the goal. It reserves that anew from time to time.
 *Circle*: the circle, two turns at a time. Every ``PLAN_PERIOD`` steps it looks for a path.
 
-The flag ``HELD`` is cleared if the outline overlaps that of a newcomer. The HAV then stops until it
+If the outline overlaps that of a newcomer, the HAV clears the flag ``HELD``. It then stops until it
 has reserved another outline, or gives up. docs/safety.md draws all of this.
 """
 

@@ -1,4 +1,4 @@
-"""The search for a path to a pose, past all others.
+"""This module searches for a path to a pose, past all other HAVs.
 
 The HAV predicts every candidate in coarse steps. Up to the horizon, it must have a free circle at
 every step, past the outlines of others. Beyond the horizon only HAVs that stand count, because the

@@ -1,4 +1,4 @@
-"""The policy Reserve: a HAV moves only within what it has predicted, reserved and broadcast."""
+"""This module is the policy Reserve: a HAV moves only within its reserved, broadcast outline."""
 
 import math
 from typing import NamedTuple

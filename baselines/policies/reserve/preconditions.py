@@ -1,6 +1,7 @@
-"""The checks of what the theorems on Reserve assume.
+"""This module checks what the theorems on Reserve assume.
 
-They concern the lengths, the speeds and the sensing of a scenario, and run before a HAV drives.
+The checks concern the lengths, the speeds and the sensing of a scenario. They run before a HAV
+drives.
 """
 
 import math

@@ -1,4 +1,7 @@
-"""The next path of a HAV among others: to its goal, to a random place, or round a circle."""
+"""This module plans the next path of a HAV among others.
+
+The path leads to its goal, to a random place, or round a circle.
+"""
 
 import math
 

@@ -1,11 +1,11 @@
-"""What a HAV reserves: an outline of all that it may occupy until it reserves anew.
+"""This module reserves: it predicts an outline of all that a HAV may occupy until it reserves anew.
 
 A HAV reserves either the next part of its path and a circle behind that, or the rest of the path
 and the place where it stops at its goal. It can drive on the circle without end.
 
 The HAV predicts the part step by step, as the simulation will move it. The outline holds every axle
-of every step. Of the circle, the outline holds the disc of the truck's front axle. An axle that is
-pulled moves towards the one ahead, so nothing leaves the convex hull of chain and disc.
+of every step. Of the circle, the outline holds the disc of the truck's front axle. A pulled axle
+moves towards the one ahead, so nothing leaves the convex hull of chain and disc.
 
 An outline keeps a margin from the outlines of all others. It also keeps a margin from each HAV that
 stands, or else every predicted step does.

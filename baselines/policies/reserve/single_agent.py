@@ -1,4 +1,4 @@
-"""The path of a lone HAV: the shortest of many tight ones on which it does not jackknife.
+"""This module plans the path of a lone HAV: the shortest of many tight ones without a jackknife.
 
 A HAV may turn more tightly than it could without end, if the turn ends before a joint folds.
 Candidates are two arcs of different radii with a straight between them, and three arcs. They lead

@@ -1,0 +1,1 @@
+"""This package tests evaluations that are kept on disk."""

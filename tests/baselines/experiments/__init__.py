@@ -1,0 +1,1 @@
+"""This package tests experiments: the reproduction of the paper, surveys, ablations."""

@@ -1,0 +1,1 @@
+"""This package tests the policies of the baselines but Reserve."""

@@ -1,0 +1,1 @@
+"""This package tests recorded episodes and how they are watched."""

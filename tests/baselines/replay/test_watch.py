@@ -150,6 +150,7 @@ class Recorder:
     error: type[BaseException] = RuntimeError
 
     def __init__(self, mode, *, size=(960, 720), frames_per_second=30):
+        """Take what a viewer takes."""
         self.size = size
         self.pictures: list[weakref.ref] = []
 

@@ -54,6 +54,7 @@ class Stops:
     """Lets HAVs stand for a while, again and again, and some for ever, whatever they decided."""
 
     def __init__(self, seed, often, long, never_start=0.0):
+        """Take how often HAVs stop, for how long, and the share that never starts."""
         self.random = np.random.default_rng(seed)
         self.often, self.long, self.never_start = often, long, never_start
         self.left = None
@@ -72,6 +73,7 @@ class Others:
     """Drives the HAVs from a number on, in place of Reserve; they tell nothing."""
 
     def __init__(self, first, fastest=0.0, seed=0):
+        """Take the number of the first of them and their largest speed [m/s]."""
         self.random = np.random.default_rng(seed)
         self.first, self.fastest = first, fastest
 

@@ -1,0 +1,1 @@
+"""This package tests files: archives, atomic writes, locks."""

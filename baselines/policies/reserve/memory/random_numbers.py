@@ -1,4 +1,4 @@
-"""Random numbers of a HAV under Reserve: a stream of the episode for each HAV and use.
+"""This module draws random numbers for a HAV under Reserve: a stream for each HAV and use.
 
 Streams do not overlap, whatever the number of HAVs. Within a stream every step has draws of its
 own. They repeat only when their number passes 2**32.

@@ -1,8 +1,8 @@
-"""The rows of the memory of a HAV under Reserve, by name.
+"""This module names the rows of the memory of a HAV under Reserve.
 
 The first rows are the broadcast. Other HAVs read them through
-``hav_env.policies.interface.heard``. The next rows are the HAV's own: its path, what it has
-reserved, and what it senses. The last rows are scratch, in which a plan is worked out.
+``hav_env.policies.interface.heard``. The next rows are the HAV's own: its path, its reserved
+outline, and its senses. The last rows are scratch for the making of a plan.
 
 A comment gives the unit in square brackets and the range. A *flag* is 0.0 or 1.0. A *count* is a
 whole number from 0.0. Modules import this one as ``m`` and write ``rows[m.DRIVEN]``.

@@ -1,4 +1,4 @@
-"""A list of the shortest candidates, sorted by length."""
+"""This module keeps a list of the shortest candidates, sorted by length."""
 
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes

@@ -1,4 +1,4 @@
-"""How many of each thing the memory of a HAV under Reserve has room for."""
+"""This module states the sizes of the memory of a HAV under Reserve."""
 
 MAX_TRAILERS = 10  # of a HAV
 MAX_UNITS = MAX_TRAILERS + 1  # of a HAV: the truck and its trailers

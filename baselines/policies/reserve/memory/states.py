@@ -1,6 +1,6 @@
-"""The states of a HAV under Reserve, and the purposes of its path, as its memory holds them.
+"""This module numbers the states of a HAV under Reserve, and the purposes of its path.
 
-The module ``multi_agent`` says which state leads to which.
+The module ``multi_agent`` describes their transitions.
 """
 
 # A HAV is in one of these states: the row ``MODE``.

@@ -1,10 +1,10 @@
-"""What a HAV under Reserve senses and hears of the others near it, written into slots.
+"""This module gathers what a HAV under Reserve senses and hears of the others near it, into slots.
 
 The nearest others get a slot each. The HAV also writes the radius within which nobody else is.
 
 Another HAV broadcasts its outline, and the outline's frame as seen from its truck before and after
-its last step. The HAV senses where that truck is, and so where the frame is. A HAV that has
-reserved nothing stands where it is sensed.
+its last step. The HAV senses the place of that truck, and so finds the frame. A HAV that has
+reserved nothing stands where the HAV senses it.
 """
 
 import math

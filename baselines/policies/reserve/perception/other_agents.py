@@ -1,4 +1,4 @@
-"""Distances to the others in a HAV's slots, and the memory of who was near.
+"""This module measures distances to the others in a HAV's slots, and remembers who was near.
 
 A neighbour is *near* if the circles that circumscribe both are less than ``NEAR_GAP`` apart. A
 *newcomer* is near, but was not when the HAV last remembered its neighbourhood.

@@ -1,4 +1,4 @@
-"""What a HAV senses of itself, written into its memory once a step.
+"""This module writes what a HAV senses of itself into its memory, once a step.
 
 All other modules read the memory only. So a decision cannot depend on anything that the HAV does
 not know. Besides, their functions compile faster without the forty arrays of a world as arguments.

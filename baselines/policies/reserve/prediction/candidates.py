@@ -1,4 +1,4 @@
-"""Candidates: numbered paths that may lead to a pose.
+"""This module lists candidates: numbered paths that may lead to a pose.
 
 The first ones are Dubins words of three radii. The next ones consist of two Dubins words with a
 random pose between them. The last resort are sequences of arcs and straights, in order of their

@@ -1,4 +1,4 @@
-"""Axles of the predicted chain: their places, how they are pulled, and what they touch."""
+"""This module predicts the axles of the chain: their places, their pull, and what they touch."""
 
 import math
 

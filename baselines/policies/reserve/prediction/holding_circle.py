@@ -1,4 +1,7 @@
-"""Circles that a HAV can drive on without end: where there is room for one, and how it enters."""
+"""This module finds holding circles, on which a HAV can drive without end.
+
+It looks for room for a circle, and predicts how the HAV enters it.
+"""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The prediction of the HAV's own steps, which are those of ``hav_env.vehicles.OnAxle``.
+"""This module predicts the HAV's own steps, which are those of ``hav_env.vehicles.OnAxle``.
 
 A HAV's memory holds its chain as cosine and sine of every unit's heading. They are in the frame
 that the truck has when the prediction begins.

@@ -1,4 +1,4 @@
-"""The prediction of the next step of a HAV that hears no outlines of others."""
+"""This module predicts the next step of a HAV that hears no outlines of others."""
 
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes

@@ -1,4 +1,4 @@
-"""Paths of arcs and straights, and the heading along a path.
+"""This module follows paths of arcs and straights, and returns the heading along them.
 
 The paths are like Dubins words, but their arcs may have different radii. A HAV's memory holds a
 path as segments, each with a curvature [1/m], positive to the left, and a length [m].
