@@ -159,7 +159,7 @@ OTHERS = [
     (lambda: roll(0, None), "episodes"),
     (lambda: roll(True, [0]), "seed"),
     (lambda: roll(0, [0], threads=1.5), "threads"),
-    (lambda: rollout(Random(), "paper-pair", 0, [0]), "paper-pair"),
+    (lambda: rollout(Random(), "paper-pare", 0, [0]), "paper-pare"),
     (lambda: rollout(Random(), SINGLE, 0, [0], task=3), "task"),
     (lambda: rollout(Random(), SINGLE, 0, [0], vehicle=3), "3 is not a vehicle"),
     (lambda: rollout(Random(hold=True), SINGLE, 0, [0]), "policy hold"),

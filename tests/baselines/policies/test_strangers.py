@@ -11,7 +11,7 @@ import pytest
 
 from baselines.policies.dubins_pursuit import DubinsPursuit
 from baselines.policies.files import load_trained, save_policy
-from baselines.policies.network import LARGEST_WEIGHT, MOST_UNITS, check_network
+from baselines.policies.network import LARGEST_WEIGHT, WIDEST_LAYER, check_network
 from baselines.replay.trajectory import record_trajectory
 from baselines.replay.trajectory_files import load_trajectory, save_trajectory
 from hav_env import RandomPoses, Task
@@ -113,7 +113,7 @@ def numbers(arrays):
     for sizes in (
         [columns, 2**32, 2**32, 2], [columns, 2**62, 4, 2], [columns, 2**61, 2], [columns, -8, 2],
         [columns, 0, 2], [columns], [], [2, 2], [columns, 8, 3], [columns, 10**6, 2],
-        [columns] + [8] * 40 + [2], [columns, MOST_UNITS, MOST_UNITS, 2], [[columns, 8, 2]],
+        [columns] + [8] * 40 + [2], [columns, WIDEST_LAYER, WIDEST_LAYER, 2], [[columns, 8, 2]],
         [float(columns), 8.0, 2.0],
     ):  # fmt: skip
         yield {"sizes": np.array(sizes)}
