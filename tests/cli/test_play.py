@@ -157,7 +157,7 @@ def test_play_closes_the_environment(monkeypatch, keyboard):
     assert main(["play", "--seed", "5"]) == 0  # no window opens, so it ends after a frame
     assert roads["human"].calls == ["reset 5", "render", "close"]
     assert roads[None].calls[0] == "reset 5"  # compiled without a window first
-    assert "step" in roads[None].calls[-2]
+    assert "step" in roads[None].calls
 
 
 def test_one_hav_of_the_real_environment_is_driven_among_others(monkeypatch, keyboard):

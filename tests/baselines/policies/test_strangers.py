@@ -89,7 +89,8 @@ def layouts(arrays):
         for name in layout["observation"]:
             if (name, value) != ("chains", True) and (name, value) != ("fronts", True):
                 yield layout | {"observation": layout["observation"] | {name: value}}
-        yield layout | {"observation": value}
+        if value != {}:  # all fields have defaults
+            yield layout | {"observation": value}
     yield layout | {"observation": {"neighbors": 1_000, "chains": True}, "max_trailers": 1_000}
 
 
