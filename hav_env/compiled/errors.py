@@ -1,5 +1,7 @@
 """This module turns errors of Numba into one line that names the file and the line to look at."""
 
+import os
+import pathlib
 import re
 import sysconfig
 
@@ -7,6 +9,10 @@ _PLACE = re.compile(r'File "([^"]+)", line (\d+)')
 _LINES_ASIDE = re.compile(
     r"^(During: |File |-+%<|<source missing|\[|Failed in nopython|def |@|\^|$)"
 )
+# lines of Numba's that say what is wrong, not where it led
+_TELLING = re.compile(r"(?i)nameerror|untyped global|unknown attribute|cannot unify|is not defined")
+_ROOT = pathlib.Path(__file__).parents[2]
+_PROJECT_FILES = tuple(f"{_ROOT / top}{os.sep}" for top in ("hav_env", "baselines"))
 _LONGEST_REASON = 300  # characters of Numba's message
 
 
@@ -20,7 +26,10 @@ def explain(name: str, error: Exception) -> str:
     text = str(error)
     libraries = tuple(sysconfig.get_paths()[key] for key in ("stdlib", "purelib", "platlib"))
     places = [place for place in _PLACE.findall(text) if not place[0].startswith(libraries)]
-    where = f" at {places[-1][0]}:{places[-1][1]}" if places else ""
+    theirs = [place for place in places if not place[0].startswith(_PROJECT_FILES)]
+    file, line = (theirs or places or [("", "")])[-1]
+    where = f" ({file}, line {line})" if file else ""
     lines = [line.strip() for line in text.splitlines()]
-    reasons = [line for line in lines if line and not _LINES_ASIDE.match(line)]
-    return f"cannot compile {name}{where}: {' '.join(reasons)[:_LONGEST_REASON]}"
+    telling = [line for line in lines if _TELLING.search(line)]
+    reasons = telling[-1:] or [line for line in lines if line and not _LINES_ASIDE.match(line)]
+    return f"cannot compile {name}: {' '.join(reasons)[:_LONGEST_REASON]}{where}"

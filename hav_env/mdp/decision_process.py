@@ -20,6 +20,7 @@ from hav_env.mdp.advance import (
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.info import REPORT
 from hav_env.mdp.reward import BEFORE_SIZE, REWARDS, Reward, check_reward
+from hav_env.mdp.reward_trial import try_reward
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped
@@ -103,6 +104,7 @@ class DecisionProcess:
         reward = REWARDS.make(reward) if isinstance(reward, str) else reward
         vehicle = VEHICLES.make(vehicle) if isinstance(vehicle, str) else vehicle
         check_reward(reward)
+        try_reward(reward)
         check_value("frame_skip", Skipped, frame_skip)
         self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
         n, w = self.batch.scenario.num_havs, self.batch.num_worlds

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from hav_env.scenarios import RandomFleet, RandomPoses, populate
+from hav_env.simulator.names_used import undefined_name
 from hav_env.simulator.transition import begin
 from hav_env.vehicles import move
 from hav_env.world.arrays import World, allocate_worlds
@@ -20,6 +21,7 @@ from hav_env.world.task import Task
 
 LANES_TRIED, HAVS_TRIED = 2, 3
 _OURS = {"hav_env", "baselines", "train"}
+_EVERYBODY = 1e5  # [m] in this range all HAVs sense each other
 _tried: set[Any] = set()
 
 
@@ -37,6 +39,10 @@ def attempt(kind: str, model: Any, kernel: Callable, call: Callable[[], str]) ->
     """
     if kernel.__module__.partition(".")[0] in _OURS or kernel in _tried:
         return
+    told = f"{kind} {type(model).__name__}: {kernel.__name__}"
+    undefined = undefined_name(kernel, kernel.__module__.partition(".")[0])
+    if undefined is not None:
+        raise ValueError(f"{told}: {undefined[0]} ({undefined[1]}, line {undefined[2]})")
     _tried.add(kernel)
     code = kernel.__code__
     line: int | None = code.co_firstlineno
@@ -52,8 +58,7 @@ def attempt(kind: str, model: Any, kernel: Callable, call: Callable[[], str]) ->
         broken = f"raises {type(error).__name__}: {error}"
     if broken:
         _tried.discard(kernel)
-        told = f"{kind} {type(model).__name__}: {kernel.__name__} {broken}"
-        raise ValueError(f"{told} ({code.co_filename}, line {line})")
+        raise ValueError(f"{told} {broken} ({code.co_filename}, line {line})")
 
 
 def try_scenario(scenario: Any) -> None:
@@ -92,6 +97,6 @@ def sample_worlds(num_havs: int = HAVS_TRIED, num_goals: int = 2, max_trailers: 
     scenario = RandomPoses(num_havs=num_havs, num_goals=num_goals, fleet=fleet)
     worlds = allocate_worlds(LANES_TRIED, num_havs, max_trailers + 1, num_goals)
     for lane in range(LANES_TRIED):
-        begin(scenario, Task(), worlds, lane, 0, lane)
+        begin(scenario, Task(sensing_range=_EVERYBODY), worlds, lane, 0, lane)
     worlds.state.speed[:] = 1.0
     return block_of(worlds, 0, LANES_TRIED, worlds.units)

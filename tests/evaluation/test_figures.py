@@ -41,12 +41,13 @@ def test_a_new_column_and_its_figure_are_one_entry_each(monkeypatch):
 
 
 def test_figures_come_in_their_order_and_those_of_company_only_in_company(table):
-    names = [figure.name for figure in figures_of(table)]
-    assert names == [
+    known = [
         *("jackknifed", "goal 1 hit", "goal 2 hit", "potential collision", "actual collision"),
         *("folded through", "goal 1 step", "goal 2 step"),
         *("goal 1 driven / Dubins", "goal 2 driven / Dubins", "largest articulation [rad]"),
     ]
+    names = [figure.name for figure in figures_of(table)]
+    assert [name for name in names if name in known] == known  # those added stand between
     alone = table.filter(np.equal(table["hav"].to_numpy(), 0))
     assert not {figure.name for figure in figures_of(alone)} & {
         event.label for event in EVENTS if event.company

@@ -8,8 +8,9 @@ import textwrap
 import numpy as np
 import pytest
 
-from hav_env import Batch, RandomPoses, rollout
+from hav_env import Batch, RandomPoses, parallel_env, rollout
 from hav_env.policies import check_policy
+from tests.support.budgets import COMPILED
 
 MODULE = """
     from __future__ import annotations
@@ -43,8 +44,8 @@ def mine(tmp_path, monkeypatch):
     """Return a function that writes and imports a module, and returns its model."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def make(register, arguments, body):
-        text = MODULE.format(register=register, arguments=arguments, body=body)
+    def make(register, arguments, body, template=MODULE):
+        text = template.format(register=register, arguments=arguments, body=body)
         (tmp_path / "written_here.py").write_text(textwrap.dedent(text))
         sys.modules.pop("written_here", None)
         importlib.invalidate_caches()
@@ -58,14 +59,14 @@ def mine(tmp_path, monkeypatch):
     ("register", "arguments", "body", "told"),
     [
         ("act", ACT, "return sensing.goal_posee(world, agent, lane)", "has no attribute 'goal_p"),
-        ("act", ACT, "return undefined, 0.0", "NameError: name 'undefined' is not defined"),
+        ("act", ACT, "return undefined, 0.0", "name 'undefined' is not defined"),
         ("act", ACT, "return 1.0", "returns 1.0, but must return speed and steering"),
         ("act", ACT, "pass", "returns None, but must return speed and steering"),
         ("act", ACT, "return 1.0, None", r"returns \(1.0, None\), but must return"),
         ("act", ACT, "return 1.0, np.nan", r"returns \(1.0, nan\), but must return"),
         ("act", "policy, memory, world", "return 1.0, 0.0", "TypeError: mine\\(\\) takes 3"),
         ("act_lanes", LANES, "speed[agent] = 1.0", "must write finite speeds and steering"),
-        ("act_lanes", LANES, "spead[agent] = 1.0", "NameError: name 'spead' is not defined"),
+        ("act_lanes", LANES, "spead[agent] = 1.0", "name 'spead' is not defined"),
     ],
 )
 def test_a_wrong_policy_is_one_line(register, arguments, body, told, mine):
@@ -94,8 +95,71 @@ def test_a_wrong_scenario_or_vehicle_is_one_line(register, arguments, body, told
     assert re.search(r"written_here.py, line (19|2\d)\)$", str(error.value))
 
 
+NEIGHBORS = "for k in range(sensing.num_neighbors(world, agent, lane)):\n            "
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        (f"{NEIGHBORS}sensing.neighbour_distance(world, agent, k, lane)", "no attribute 'neighb"),
+        ("return undefined if policy.gain < 0.0 else 1.0, 0.0", "name 'undefined' is not defined"),
+        ("return helper(policy.gain), 0.0", "name 'missing' is not defined"),
+        (f"{NEIGHBORS}return 1.0, None", r"returns \(1.0, None\), but must return"),
+    ],
+)
+def test_mistakes_in_branches_loops_and_helpers_are_found_before_compiling(body, told, mine):
+    helper = "@kernel\n    def helper(x):\n        return x if x > 0.0 else missing\n\n\n    @act."
+    text = MODULE.replace(
+        "    @{register}.", f"    from hav_env.compiled import kernel\n\n\n    {helper}"
+    )
+    policy = mine("act", ACT, body, text)
+    with pytest.raises(ValueError, match=told) as error:
+        check_policy(policy, RandomPoses(num_havs=2))
+    assert re.search(r"written_here.py, line \d+\)$", str(error.value))
+
+
+@pytest.mark.skipif(not COMPILED, reason="plain Python has nothing against it")
+def test_what_numba_refuses_is_one_line(mine):
+    policy = mine("act", ACT, "return (1.0 if agent == 0 else [1.0][lane]), max(policy, key=abs)")
+    with pytest.raises((TypeError, ValueError)) as error:
+        rollout(policy, RandomPoses(), 0, np.arange(1), threads=1)
+    assert len(str(error.value).splitlines()) == 1
+
+
 def test_what_only_plain_python_refuses_is_no_mistake(mine):
     check_policy(mine("act", ACT, "return 1.0 / float(agent * 0), 0.0"), RandomPoses())
+
+
+REWARD = """
+    from typing import NamedTuple
+
+    from hav_env import reward_terms
+
+
+    class Mine(NamedTuple):
+        first: float = 1.0
+        second: float = 1.0
+
+
+    @reward_terms.register(Mine)
+    def mine(reward, duration, world, agent, before, remaining, terms):
+        {body}
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("terms[0, agent] = 1.0", "mine does not write the term 'second'"),
+        ("terms[:, agent] = undefined", "name 'undefined' is not defined"),
+        ("terms[5, agent] = 1.0", "raises IndexError: index 5 is out of bounds"),
+    ],
+)
+def test_a_wrong_reward_is_one_line(body, told, mine):
+    reward = mine("", "", body, REWARD)
+    with pytest.raises(ValueError, match=told) as error:
+        parallel_env(reward=reward)
+    assert re.search(r"written_here.py, line 1\d\)$", str(error.value))
 
 
 def test_a_right_policy_under_future_annotations_runs(mine):

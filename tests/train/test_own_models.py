@@ -106,9 +106,11 @@ def test_a_training_with_models_of_ones_own_ends_and_goes_on(tmp_path, monkeypat
 def test_the_example_of_the_documentation_trains(tmp_path):
     """Its reward is written into a module, as it says, and its command run, but shorter."""
     text = (ROOT / "docs/training.md").read_text()
-    (module,) = re.findall(r"```python\n# (?:my_reward\.py)\n(.*?)```", text, re.DOTALL)
-    (tmp_path / "my_reward.py").write_text(module)
-    (command,) = re.findall(r"^python -m train\.ppo (.*--reward my_reward.*)$", text, re.MULTILINE)
+    (module,) = re.findall(r"```python\n# (?:my_bend_reward\.py)\n(.*?)```", text, re.DOTALL)
+    (tmp_path / "my_bend_reward.py").write_text(module)
+    (command,) = re.findall(
+        r"^python -m train\.ppo (.*--reward my_bend_reward.*)$", text, re.MULTILINE
+    )
     said = command.split("#")[0].split()
     short = words(tmp_path / "run")[2:]
     told = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_DISABLE_JIT": "1"}

@@ -1,0 +1,71 @@
+"""This module checks the names in a kernel of the user's before it runs: undefined, or misspelt.
+
+It reads the bytecode, so it sees branches that a trial run does not take.
+"""
+
+import builtins
+import dis
+import types
+from collections.abc import Iterator
+from typing import Any
+
+from hav_env.compiled.digests import KERNELS
+
+
+def undefined_name(function: Any, package: str) -> tuple[str, str, int] | None:
+    """Return the first undefined name in a function or in the kernels that it calls.
+
+    Args:
+        function: a kernel.
+        package: outermost package whose kernels are followed.
+
+    Returns:
+        A sentence that names it, the file and the line; None when all names are defined.
+    """
+    seen: set[Any] = set()
+    left = [function]
+    while left:
+        one = left.pop()
+        if one in seen:
+            continue
+        seen.add(one)
+        for value, problem, line in _uses(one):
+            if problem:
+                return problem, one.__code__.co_filename, line
+            own = isinstance(value, types.FunctionType) and value in KERNELS
+            if own and value.__module__.partition(".")[0] == package:
+                left.append(value)
+    return None
+
+
+def _uses(function: types.FunctionType) -> Iterator[tuple[Any, str, int]]:
+    """Give each global name, and each attribute of a module, that a function uses.
+
+    Each is a tuple: value, sentence that says what is wrong or "", line.
+    """
+    names = vars(builtins) | function.__globals__
+    for code in _codes_in(function.__code__):
+        module: types.ModuleType | None = None
+        line = code.co_firstlineno
+        for step in dis.get_instructions(code):
+            line = (step.positions.lineno if step.positions else None) or line
+            value: Any = None
+            if step.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+                if step.argval not in names:
+                    yield None, f"name {step.argval!r} is not defined", line
+                value = names.get(step.argval)
+                yield value, "", line
+            elif step.opname in ("LOAD_ATTR", "LOAD_METHOD") and module is not None:
+                if not hasattr(module, step.argval):
+                    told = f"module {module.__name__!r} has no attribute {step.argval!r}"
+                    yield None, told, line
+                value = getattr(module, step.argval, None)
+                yield value, "", line
+            module = value if isinstance(value, types.ModuleType) else None
+
+
+def _codes_in(code: types.CodeType) -> Iterator[types.CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _codes_in(constant)
