@@ -23,7 +23,11 @@ KERNELS: dict[Callable, str] = {}
 """Options of each kernel; code that calls one is followed into it, wherever it is from."""
 
 _PROJECT = "hav_env"
-_ASIDE = ("hav_env.compiled.", "hav_env.models.")  # threads and checks change no result
+# threads, checks and trials change no result
+_ASIDE = (
+    *("hav_env.compiled.", "hav_env.models."),
+    *("hav_env.simulator.trial", "hav_env.simulator.names_used"),
+)
 _HAS_DOCSTRING = 0x4000000  # flag CO_HAS_DOCSTRING of Python 3.14
 _DEEPEST = 4  # modules in modules, as in a.b.c.function
 # how kernels are compiled: a change here changes all compiled code
@@ -204,6 +208,9 @@ def _read(function: types.FunctionType) -> tuple[str, int, tuple[Any, ...]]:
             *map(stable_text, _constants_of(code)),
         ]
         for name, value in _names_in(function.__globals__, code, ""):
+            if _is_state(name, value):
+                told.append(f"{name} = {name_of(type(value))}")
+                continue
             told.append(f"{name} = {stable_text(value)}")
             values.append(value)
     cells = [cell.cell_contents for cell in function.__closure__ or () if _is_filled(cell)]
@@ -212,6 +219,11 @@ def _read(function: types.FunctionType) -> tuple[str, int, tuple[Any, ...]]:
         told.append(stable_text(value))
         values.append(value)
     return "\t".join(told), size, tuple(values)
+
+
+def _is_state(name: str, value: Any) -> bool:
+    """Tell whether a global name holds what a process remembers: no constant, but a container."""
+    return isinstance(value, list | dict | set) and not name.rpartition(".")[2].isupper()
 
 
 def _names_in(

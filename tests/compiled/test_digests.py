@@ -1,6 +1,7 @@
 """The digest of code: what is compiled changes it, and nothing else does."""
 
 import importlib
+import subprocess
 import sys
 import textwrap
 
@@ -14,6 +15,7 @@ from hav_env.evaluation.rollout import rollout_worlds
 from hav_env.policies import POLICIES
 from hav_env.simulator.batch import begin_worlds
 from hav_env.world.arrays import World
+from tests.support.paths import ROOT
 
 POLICY = """
     from typing import NamedTuple
@@ -163,3 +165,58 @@ def test_functions_in_tables_of_columns_count():
     assert one == digest_of(TABULATE.replace("COLUMNS =", "# a remark\n    COLUMNS ="))
     assert one != digest_of(TABULATE.replace("rows + 1.0", "rows + 2.0"))
     assert one != digest_of(TABULATE.replace('"b"', '"c"'))
+
+
+STATE = """
+    remembered, KNOWN = set(), {"a": 1}
+
+
+    def tabulate(rows):
+        remembered.add(rows)
+        return KNOWN["a"]
+"""
+
+
+def test_what_a_process_remembers_does_not_count():
+    found = {"__name__": "state_of_mine"}
+    exec(compile(textwrap.dedent(STATE), "state_of_mine.py", "exec"), found)
+    before = digest_code([found["tabulate"]]).digest
+    found["tabulate"](1.0)
+    again = {"__name__": "state_of_mine"}
+    exec(compile(textwrap.dedent(STATE), "state_of_mine.py", "exec"), again)
+    again["tabulate"](2.0)
+    assert digest_code([again["tabulate"]]).digest == before
+    other = {"__name__": "state_of_mine"}
+    exec(compile(textwrap.dedent(STATE).replace("1}", "2}"), "state_of_mine.py", "exec"), other)
+    assert digest_code([other["tabulate"]]).digest != before
+
+
+IN_A_PROCESS = """
+import json
+from baselines.evaluation.runs import run_part
+from hav_env import OnAxle, RandomPoses, Task, make_policy
+from hav_env.compiled import classes_in, digest_code
+{first}
+models = [make_policy("reserve"), RandomPoses(), OnAxle(), Task()]
+print(digest_code([run_part], classes_in(*models)).digest)
+"""
+FIRST = """
+import numpy as np
+import matplotlib, torch, hav_env, baselines.experiments.survey, baselines.figures.paper
+from tests.support.policies import Weaving, Watched
+hav_env.rollout("random", "paper-pair", 0, np.arange(2), Task(max_steps=3), threads=2)
+hav_env.rollout(Weaving(), "swarm-5", 0, np.arange(2), Task(max_steps=3))
+hav_env.parallel_env(reward=Watched()).reset(seed=0)
+"""
+
+
+def test_a_digest_is_the_same_in_every_process():
+    """Whatever was imported, compiled, tried and run before."""
+    told = set()
+    for first in ("", FIRST):
+        done = subprocess.run(
+            [sys.executable, "-c", IN_A_PROCESS.format(first=first)],
+            capture_output=True, text=True, check=True, cwd=ROOT,
+        )  # fmt: skip
+        told.add(done.stdout.split()[-1])
+    assert len(told) == 1
