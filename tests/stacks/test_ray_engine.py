@@ -1,5 +1,6 @@
 """Evaluation on a Ray cluster: the same bytes, resumed, with policies from anywhere."""
 
+import importlib
 import os
 
 import numpy as np
@@ -118,11 +119,7 @@ def test_more_parts_than_are_given_out_at_once(engine, tmp_path, monkeypatch, cl
     assert there.read_bytes() == here.read_bytes()
 
 
-def not_there(span, threads):
-    """Stand in a module that the cluster cannot import."""
-
-
-def test_what_goes_wrong_there_is_said_here(cluster, monkeypatch):
+def test_what_goes_wrong_there_is_said_here(cluster, monkeypatch, tmp_path):
     def fail(span, threads):
         raise ValueError(f"no room for {span}")
 
@@ -132,10 +129,13 @@ def test_what_goes_wrong_there_is_said_here(cluster, monkeypatch):
     spans = [range(3)]
     with pytest.raises(ValueError, match=r"^no room for range\(0, 3\)$"):
         list(run_on_cluster(cluster, fail, spans, None))
-    with pytest.raises(OSError, match=r"cannot run episodes: .*No module named 'test_ray_engine'$"):
-        list(run_on_cluster(cluster, not_there, spans, None))
+    (tmp_path / "only_here.py").write_text("def part(span, threads):\n    pass\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    part = importlib.import_module("only_here").part
+    with pytest.raises(OSError, match=r"cannot run episodes: .*No module named 'only_here'$"):
+        list(run_on_cluster(cluster, part, spans, None))
     with pytest.raises(OSError, match="the Ray cluster cannot run episodes"):
         list(run_on_cluster(cluster, leave, spans, None))
-    monkeypatch.setattr(engines, "_digest", lambda: "other")
+    monkeypatch.setattr(engines, "_digest", lambda part: "other")
     with pytest.raises(ValueError, match="another version of this project"):
         list(run_on_cluster(cluster, fail, spans, None))
