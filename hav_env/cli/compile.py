@@ -5,8 +5,10 @@ The disk keeps compiled code, so that later runs start at once.
 
 import concurrent.futures
 import dataclasses
+import functools
 import multiprocessing
 import time
+from collections.abc import Callable
 
 from hav_env.compiled import default_threads
 from hav_env.models.checks import check_value
@@ -34,16 +36,17 @@ def compile_all(options: Compile) -> None:
     check_value("processes", Threads | None, options.processes)
     for name in options.policies:
         POLICIES.find(name)
-    jobs = [
-        *((compile_policy, name) for name in options.policies or POLICIES.names()),
-        (compile_environments, "environments"),
-        (compile_scenarios, "scenarios"),
-    ]
+    names = options.policies or POLICIES.names()
+    jobs: dict[str, Callable[[], float]] = {
+        **{name: functools.partial(compile_policy, name) for name in names},
+        "environments": compile_environments,
+        "scenarios": compile_scenarios,
+    }
     begun = time.monotonic()
     processes = options.processes or default_threads()
     spawn = multiprocessing.get_context("spawn")
     with concurrent.futures.ProcessPoolExecutor(processes, spawn) as pool:
-        running = {pool.submit(job, name): name for job, name in jobs}
+        running = {pool.submit(job): name for name, job in jobs.items()}
         for done in concurrent.futures.as_completed(running):
             print(f"{running[done]}: {done.result():.1f} s", flush=True)
     print(f"all is compiled: {time.monotonic() - begun:.0f} s")
@@ -68,7 +71,7 @@ def compile_policy(name: str) -> float:
     return time.monotonic() - begun
 
 
-def compile_scenarios(name: str) -> float:
+def compile_scenarios() -> float:
     """Compile the beginning of episodes for every class of scenarios; return the time [s]."""
     from hav_env.simulator.batch import Batch  # noqa: PLC0415
 
@@ -78,7 +81,7 @@ def compile_scenarios(name: str) -> float:
     return time.monotonic() - begun
 
 
-def compile_environments(name: str) -> float:
+def compile_environments() -> float:
     """Compile what all environments step and observe with; return how long it took [s]."""
     import gymnasium  # noqa: PLC0415
 

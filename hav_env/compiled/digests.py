@@ -199,7 +199,7 @@ def _read(function: types.FunctionType) -> tuple[str, int, tuple[Any, ...]]:
     """Return the facts of a function, the size of its bytecode and the values it refers to."""
     told = [function.__module__, function.__qualname__, KERNELS.get(function, "")]
     size, values = 0, []
-    for code in _codes_in(function.__code__):
+    for code in codes_in(function.__code__):
         size += len(code.co_code)
         told += [
             code.co_code.hex(),
@@ -238,12 +238,12 @@ def _names_in(
                 yield from _names_in(vars(value), code, f"{prefix}{name}.")
 
 
-def _codes_in(code: types.CodeType) -> Iterable[types.CodeType]:
+def codes_in(code: types.CodeType) -> Iterable[types.CodeType]:
     """Give a code and those of the functions, lambdas and comprehensions inside."""
     yield code
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
-            yield from _codes_in(constant)
+            yield from codes_in(constant)
 
 
 def _constants_of(code: types.CodeType) -> Iterable[Any]:

@@ -9,7 +9,7 @@ import types
 from collections.abc import Iterator
 from typing import Any
 
-from hav_env.compiled.digests import KERNELS
+from hav_env.compiled.digests import KERNELS, codes_in
 
 
 def undefined_name(function: Any, package: str) -> tuple[str, str, int] | None:
@@ -44,7 +44,7 @@ def _uses(function: types.FunctionType) -> Iterator[tuple[Any, str, int]]:
     Each is a tuple: value, sentence that says what is wrong or "", line.
     """
     names = vars(builtins) | function.__globals__
-    for code in _codes_in(function.__code__):
+    for code in codes_in(function.__code__):
         module: types.ModuleType | None = None
         line = code.co_firstlineno
         for step in dis.get_instructions(code):
@@ -62,10 +62,3 @@ def _uses(function: types.FunctionType) -> Iterator[tuple[Any, str, int]]:
                 value = getattr(module, step.argval, None)
                 yield value, "", line
             module = value if isinstance(value, types.ModuleType) else None
-
-
-def _codes_in(code: types.CodeType) -> Iterator[types.CodeType]:
-    yield code
-    for constant in code.co_consts:
-        if isinstance(constant, types.CodeType):
-            yield from _codes_in(constant)
