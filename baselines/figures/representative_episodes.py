@@ -27,7 +27,7 @@ class Excerpt(NamedTuple):
 
 def round_closest(trajectory: Trajectory, excerpt: Excerpt) -> Excerpt:
     """Return the part of an excerpt in which HAV 0 comes nearest to its first goal."""
-    rows = np.flatnonzero(trajectory.phase == 0)
+    rows = np.flatnonzero(trajectory.phase[:, 0] == 0)
     dx = trajectory.x[rows, 0] - trajectory.goals[0, 0, 0]
     dy = trajectory.y[rows, 0] - trajectory.goals[0, 0, 1]
     moment = int(trajectory.step[rows[np.argmin(np.hypot(dx, dy))]])

@@ -156,7 +156,7 @@ def _choose_moments(
     trajectory: Trajectory, rows: np.ndarray, count: int, moment: int | None
 ) -> np.ndarray:
     """Return rows evenly spread, those near a special one replaced by it."""
-    special = list(rows[1:][np.diff(trajectory.phase[rows]) > 0])
+    special = list(rows[1:][(np.diff(trajectory.phase[rows], axis=0) > 0).any(axis=1)])
     special += [] if moment is None else [moment]
     even = rows[np.linspace(0, len(rows) - 1, count).astype(int)]
     gap = 0.5 * len(rows) / max(count - 1, 1)
@@ -206,7 +206,8 @@ def _draw_poses(axes: Axes, trajectory: Trajectory, hav: int, rows: np.ndarray, 
         "units": "inches",
         "width": 0.018,
     }
-    poses = {f"goal {g + 1}": trajectory.goals[hav, g] for g in np.unique(trajectory.phase[rows])}
+    under_way = np.unique(trajectory.phase[rows, hav])
+    poses = {f"goal {g + 1}": trajectory.goals[hav, g] for g in under_way}
     if trajectory.step[rows[0]] == 0:
         x, y, heading = trajectory.x, trajectory.y, trajectory.heading
         poses["start"] = np.array([x[0, hav], y[0, hav], heading[0, hav, 0]])
@@ -222,8 +223,8 @@ def _draw_poses(axes: Axes, trajectory: Trajectory, hav: int, rows: np.ndarray, 
 
 def _draw_path(axes: Axes, trajectory: Trajectory, hav: int, rows: np.ndarray) -> None:
     """Draw where the truck's rear axle went, solid to the first goal, dashed to later ones."""
-    for goal in np.unique(trajectory.phase[rows]):
-        part = rows[trajectory.phase[rows] == goal]
+    for goal in np.unique(trajectory.phase[rows, hav]):
+        part = rows[trajectory.phase[rows, hav] == goal]
         part = np.unique([*part[:: len(part) // _MOST_POINTS + 1], part[-1]])
         x, y = trajectory.x[part, hav], trajectory.y[part, hav]
         axes.plot(x, y, color=_color(hav), zorder=2, **_path_style(goal))

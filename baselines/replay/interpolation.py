@@ -24,7 +24,7 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         return (steps != NEVER) & (steps * trajectory.dt <= time + 1e-9)
 
     x, y = between(trajectory.x), between(trajectory.y)
-    phase = int(trajectory.phase[row])
+    phase = trajectory.phase[row]
     removed = trajectory.removed[row]
     return Scene(
         time=time,
@@ -39,7 +39,7 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         length=trajectory.length,
         footprint=trajectory.footprint,
         articulation_max=trajectory.articulation_max,
-        goal=trajectory.goals[:, phase],
+        goal=trajectory.goals[np.arange(len(phase)), phase],
         hits=has_happened(trajectory.hit_step).sum(axis=1),
         num_goals=trajectory.goals.shape[1],
         waiting=trajectory.waiting[row],

@@ -34,7 +34,7 @@ class Trajectory(NamedTuple):
     heading: np.ndarray  # (T, N, U) of every unit [rad], not wrapped
     waiting: np.ndarray  # (T, N) bool: at its goal
     removed: np.ndarray  # (T, N) bool: has left the world; x and y are where it was last
-    phase: np.ndarray  # (T,) goal under way
+    phase: np.ndarray  # (T, N) which of its goals is under way, from 0
     speed: np.ndarray  # (T, N) decided in this state [m/s]; nan in the last, where nothing is
     steering: np.ndarray  # (T, N) [rad], left positive
     evaded: np.ndarray  # (T, N) the HAV evaded in this state, NEVER for none
@@ -87,8 +87,9 @@ def record_trajectory(
 
     def keep(speed: np.ndarray, steering: np.ndarray, evaded: np.ndarray) -> None:
         removed = is_removed(batch.worlds, slice(None), slice(None))
-        now = (*place, state.heading, state.waiting, removed, speed, steering, evaded)
-        rows.append([*state.clock[[STEP, PHASE], 0], *(values[..., 0].copy() for values in now)])
+        phase = state.goal[:, PHASE].astype(np.int64)
+        now = (phase, *place, state.heading, state.waiting, removed, speed, steering, evaded)
+        rows.append([state.clock[STEP, 0], *(values[..., 0].copy() for values in now)])
 
     def note_places() -> None:
         present = ~is_removed(batch.worlds, slice(None), slice(None))

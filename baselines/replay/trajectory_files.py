@@ -15,7 +15,7 @@ from baselines.storage.atomic_files import whole_file
 from hav_env.world.arrays import NEVER, WHEN, WHERE
 from hav_env.world.event_table import EVENTS
 
-_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 1
+_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 2
 _MOST_BYTES_KEPT = 1 << 29  # unpacked
 _HEADS = 1 << 16  # [bytes] at most, of all arrays
 _MOST_METRES = 1e9  # [m], [rad]: beyond it nothing is meant
@@ -29,7 +29,7 @@ _LAYOUT = {
     "heading": ("f", "TNU"),
     "waiting": ("b", "TN"),
     "removed": ("b", "TN"),
-    "phase": ("iu", "T"),
+    "phase": ("iu", "TN"),
     "speed": ("f", "TN"),
     "steering": ("f", "TN"),
     "evaded": ("i", "TN"),

@@ -28,7 +28,7 @@ def drive_compiled(num_steps: int, policy=POLICY, scenario=SCENARIO, vehicle=VEH
         float(state.x[0, 0]),
         float(state.y[0, 0]),
         state.heading[0, :, 0].tolist(),
-        int(state.clock[PHASE, 0] + state.waiting[0, 0]),
+        int(state.goal[0, PHASE, 0] + state.waiting[0, 0]),
         int(first[0, JACKKNIFE, WHEN, 0]),
     )
 

@@ -183,7 +183,7 @@ def _roll(policy, batch: Batch, order: np.ndarray) -> None:
         lanes, num_havs, num_units, batch.scenario.num_goals, batch.task.continuous_collisions
     )
     # so that nobody moves in lanes that are idle
-    stage.state.waiting[:], stage.state.clock[PHASE] = True, batch.scenario.num_goals - 1
+    stage.state.waiting[:], stage.state.goal[:, PHASE] = True, batch.scenario.num_goals - 1
     rollout_worlds(
         len(order),
         policy,

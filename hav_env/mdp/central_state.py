@@ -53,7 +53,7 @@ class CentralState:
             [
                 np.ones(len(waits)),
                 waits,
-                (num_goals - state.clock[PHASE, w] - waits) / num_goals,
+                (num_goals - goal[:, PHASE] - waits) / num_goals,
                 (place - origin) / POSITION_UNIT,
                 cosine[:, 0],
                 sine[:, 0],

@@ -9,11 +9,11 @@ from hav_env.world.arrays import (
     LARGEST,
     NEVER,
     PATH,
-    PHASE,
     SEED,
     STEP,
     WHEN,
     WHERE,
+    goal_under_way,
 )
 from hav_env.world.event_table import EVENTS, unharmed
 from hav_env.world.events import goals_hit
@@ -60,7 +60,7 @@ def write_report(world, agent, remaining, report):
     first, total, clock = world.record.first, world.record.total, world.state.clock
     num_goals = world.goals.shape[1]
     for lane in range(world.lanes):
-        waits, phase = world.state.waiting[agent, lane], clock[PHASE, lane]
+        waits, phase = world.state.waiting[agent, lane], goal_under_way(world.state, agent, lane)
         distance, left = world.state.goal[agent, DISTANCE, lane], remaining[agent, lane]
         if waits:  # where it stopped: it may have been removed since
             distance, left = world.record.goal[agent, phase, HIT_DISTANCE, lane], 0.0

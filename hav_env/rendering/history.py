@@ -67,6 +67,6 @@ def _tell(before: Scene, scene: Scene) -> list[str]:
         evaded = scene.evaded[hav]
         if len(scene.x) <= _FEW_EVADERS and evaded >= 0 and evaded != before.evaded[hav]:
             told.append(f"{name} evades hav_{evaded}")
-    if scene.phase > before.phase:
-        told.append(f"goal {scene.phase + 1} for all")
+    if scene.phase.min() > before.phase.min():
+        told.append(f"goal {scene.phase.min() + 1} for all")
     return told

@@ -7,7 +7,14 @@ from hav_env.rendering.canvas import Canvas
 from hav_env.rendering.colors import DIM, EVENT_COLORS, INK, PALE, Color, color_of, color_of_bend
 from hav_env.rendering.ground import grid_spacing
 from hav_env.rendering.history import History
-from hav_env.rendering.scene import Scene, bends_of, count_flags, distance_shown, harms_of
+from hav_env.rendering.scene import (
+    Scene,
+    bends_of,
+    count_flags,
+    distance_shown,
+    goals_shown,
+    harms_of,
+)
 from hav_env.world.event_table import HARM
 
 _EDGE = 12  # pixels between a panel and the edge, and within a panel
@@ -42,8 +49,8 @@ def _draw_clock(canvas: Canvas, scene: Scene) -> float:
     height = 2 * _EDGE + 28 + _LINE * len(lines)
     canvas.panel(_EDGE, _EDGE, _PANEL, height)
     canvas.text(f"{scene.time:.1f} s", (2 * _EDGE, 2 * _EDGE - 2), 32)
-    phase = f"goal {scene.phase + 1} of {scene.num_goals}"
-    canvas.text(phase, (_PANEL, 2 * _EDGE + 5), 18, DIM, "topright")
+    goals = f"goal {goals_shown(scene)} of {scene.num_goals}"
+    canvas.text(goals, (_PANEL, 2 * _EDGE + 5), 18, DIM, "topright")
     for k, (text, color) in enumerate(lines):
         canvas.text(text, (2 * _EDGE, 2 * _EDGE + 31 + _LINE * k), 18, color)
     return _EDGE + height

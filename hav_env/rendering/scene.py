@@ -26,7 +26,7 @@ class Scene(NamedTuple):
     """One moment of one world."""
 
     time: float  # [s]
-    phase: int  # goal under way
+    phase: np.ndarray  # (N,) which of its goals is under way, from 0
     x: np.ndarray  # (N,) truck's rear axle [m]
     y: np.ndarray  # (N,) [m]
     heading: np.ndarray  # (N, U) of every unit [rad]
@@ -63,7 +63,7 @@ def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None)
     known = np.full(len(x), -1) if evaded is None else np.asarray(evaded).astype(np.int64)
     return Scene(
         time=float(state.clock[STEP, w] * dt),
-        phase=int(state.clock[PHASE, w]),
+        phase=state.goal[:, PHASE, w].astype(np.int64),
         x=x,
         y=y,
         heading=state.heading[:, :, w].copy(),
@@ -128,6 +128,12 @@ def distance_shown(scene: Scene, hav: int) -> float:
     return float(np.hypot(scene.goal[hav, 0] - scene.x[hav], scene.goal[hav, 1] - scene.y[hav]))
 
 
+def goals_shown(scene: Scene) -> str:
+    """Return which goals are under way, from 1: one number, or the least and the greatest."""
+    least, most = scene.phase.min() + 1, scene.phase.max() + 1
+    return f"{least}" if least == most else f"{least}-{most}"
+
+
 def count_flags(scene: Scene) -> dict[str, int]:
     """Return how many HAVs are in which state, under its name."""
     flags = {
@@ -155,7 +161,7 @@ def describe(scene: Scene) -> str:
         return "; ".join([head, *(_describe_hav(scene, hav) for hav in range(num_havs))])
     told = [f"{count} {name}" for name, count in count_flags(scene).items() if count]
     summary = f"{num_havs} HAVs: {', '.join(told) or 'all under way'}"
-    return f"{head}; goal {scene.phase + 1}/{scene.num_goals}; {summary}"
+    return f"{head}; goal {goals_shown(scene)}/{scene.num_goals}; {summary}"
 
 
 def _describe_hav(scene: Scene, hav: int) -> str:
@@ -168,7 +174,7 @@ def _describe_hav(scene: Scene, hav: int) -> str:
     bend = np.degrees(bends_of(scene, hav).max(initial=0.0))
     limit = np.degrees(scene.articulation_max[hav])
     told = [
-        f"{name} goal {scene.phase + 1}/{scene.num_goals}"
+        f"{name} goal {scene.phase[hav] + 1}/{scene.num_goals}"
         f" {distance_shown(scene, hav):.1f} m {side}",
         f"bend {bend:.0f}/{limit:.0f} deg",
     ]

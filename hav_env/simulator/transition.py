@@ -18,6 +18,7 @@ from hav_env.world.arrays import (
     STEERING,
     STEP,
     WHEN,
+    goal_under_way,
     is_removed,
 )
 from hav_env.world.collision import enclose
@@ -31,7 +32,7 @@ from hav_env.world.events import (
 )
 from hav_env.world.lanes import block_of, moving_block
 from hav_env.world.neighborhood import find_nearby
-from hav_env.world.task import END, REMOVE
+from hav_env.world.task import ALONE, END, REMOVE
 
 # x of the first removed HAV and the distance from one to the next [m]
 _REMOVED_X, _REMOVED_SPACING = 1e13, 1e8
@@ -48,7 +49,8 @@ def begin(scenario, task, world, lane, seed, episode):
     state.ahead[..., lane] = 0.0
     clear_record(world.record, lane)
     placed = populate(scenario, world, lane)
-    _begin_phase(world, lane, 0)
+    for agent in range(state.x.shape[0]):
+        assign_goal(world, agent, lane, 0)
     alone = block_of(world, lane, 1, world.units)
     for agent in range(state.x.shape[0]):
         enclose(alone, agent)
@@ -95,7 +97,7 @@ def step(task, vehicle, world, speed, steering):
             for agent in range(num_havs):
                 note_axles(world, agent)
     if hits > 0:
-        _begin_phases(world)
+        _assign_next_goals(task, world)
     return late_worlds + hits + events
 
 
@@ -120,21 +122,15 @@ def _command(world, agent, speed, steering):
         state.steering[agent, lane] = clip(steering[agent, lane], -steepest, steepest)
 
 
-@kernel
-def _begin_phases(world):
-    """Give all HAVs of a world their next goal, where all have hit the one under way."""
+@rare_kernel
+def _assign_next_goals(task, world):
+    """Give HAVs that wait their next goal: all at a time, once all wait, or each by itself."""
     for lane in range(world.lanes):
-        phase = world.state.clock[PHASE, lane] + 1
-        if phase < world.goals.shape[1] and all_wait(world, lane):
-            _begin_phase(world, lane, phase)
-
-
-@kernel
-def _begin_phase(world, lane, phase):
-    world.state.clock[PHASE, lane] = phase
-    for agent in range(world.state.x.shape[0]):
-        world.state.waiting[agent, lane] = False
-        assign_goal(world, agent, lane)
+        if task.next_goal == ALONE or all_wait(world, lane):
+            for agent in range(world.state.x.shape[0]):
+                phase = goal_under_way(world.state, agent, lane) + 1
+                if world.state.waiting[agent, lane] and phase < world.goals.shape[1]:
+                    assign_goal(world, agent, lane, phase)
 
 
 @kernel
@@ -168,13 +164,13 @@ def _remove_arrived(task, world):
 @kernel
 def arrived(world, agent, lane):
     """Tell whether a HAV has hit its last goal."""
-    last = world.state.clock[PHASE, lane] == world.goals.shape[1] - 1
+    last = world.state.goal[agent, PHASE, lane] == world.goals.shape[1] - 1
     return last & world.state.waiting[agent, lane]
 
 
 @kernel
 def all_wait(world, lane):
-    """Tell whether all HAVs of a world wait at the goal under way."""
+    """Tell whether all HAVs of a world wait at their goals under way."""
     for agent in range(world.state.x.shape[0]):
         if not world.state.waiting[agent, lane]:
             return False

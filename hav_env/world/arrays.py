@@ -33,14 +33,15 @@ class State(NamedTuple):
     speed: Array  # (N, W) v^0 of the truck [m/s], in the step done
     steering: Array  # (N, W) phi of the truck [rad], in the step done
     ahead: Array  # (3, W) scratch: of the unit ahead while the units of a HAV move one by one
-    goal: Array  # (N, 6, W) the goal under way, columns X .. DISTANCE
-    waiting: Array  # (N, W) bool: at its goal, maximum speed zero until all are
-    clock: Array  # (4, W) columns STEP .. EPISODE
+    goal: Array  # (N, 7, W) the goal under way, columns X .. PHASE
+    waiting: Array  # (N, W) bool: at its goal, maximum speed zero until it gets the next one
+    clock: Array  # (3, W) columns STEP .. EPISODE
 
 
 AHEAD_SPEED, AHEAD_COSINE, AHEAD_SINE = range(3)
-X, Y, HEADING, COSINE, SINE, DISTANCE = range(6)  # of a goal [m, m, rad]; how far it is [m]
-STEP, PHASE, SEED, EPISODE = range(4)  # steps done; goal under way; the key of the episode
+# of a goal [m, m, rad]; how far it is [m]; which of the HAV's goals it is, from 0
+X, Y, HEADING, COSINE, SINE, DISTANCE, PHASE = range(7)
+STEP, SEED, EPISODE = range(3)  # steps done; the key of the episode
 
 
 class Fleet(NamedTuple):
@@ -147,7 +148,7 @@ def allocate_worlds(
     return World(
         State(
             *(far_apart, real(n), real(n, u), real(n, u), real(n, u), real(n), real(n)),
-            *(real(3), real(n, 6), waiting, whole(4)),
+            *(real(3), real(n, 7), waiting, whole(3)),
         ),
         Fleet(whole(n), *(real(n, size) + 1.0 for size in (u, 2, 5))),
         real(n, g, 3),
@@ -229,6 +230,12 @@ def set_limits(scenario, fleet, agent, lane):
 def into_truck_frame(state, agent, lane, dx, dy):
     """Rotate a difference of positions [m], or a direction, into a truck's frame: forward, left."""
     return into_frame(dx, dy, state.cosine[agent, 0, lane], state.sine[agent, 0, lane])
+
+
+@kernel
+def goal_under_way(state, agent, lane):
+    """Return which of its goals a HAV drives to, or waits at, from 0."""
+    return int(state.goal[agent, PHASE, lane])
 
 
 @kernel

@@ -39,6 +39,7 @@ from hav_env.world.arrays import (
     WHERE,
     X,
     Y,
+    goal_under_way,
     into_truck_frame,
 )
 from hav_env.world.collision import actual_collision, boxes_overlap, potential_collision
@@ -205,13 +206,15 @@ def goal_distance(state, agent, lane):
 @kernel
 def goals_hit(world, agent, lane):
     """Return how many goals a HAV has hit."""
-    return world.state.clock[PHASE, lane] + (1.0 if world.state.waiting[agent, lane] else 0.0)
+    return world.state.goal[agent, PHASE, lane] + (1.0 if world.state.waiting[agent, lane] else 0.0)
 
 
 @rare_kernel
-def assign_goal(world, agent, lane):
-    """Put the goal of the phase under way; record how far it is along a Dubins path with R_min."""
-    state, phase = world.state, world.state.clock[PHASE, lane]
+def assign_goal(world, agent, lane, phase):
+    """Put one of a HAV's goals under way; record its Dubins distance with R_min."""
+    state = world.state
+    state.goal[agent, PHASE, lane] = phase
+    state.waiting[agent, lane] = False
     heading = world.goals[agent, phase, 2, lane]
     sine, cosine = sincos(heading)
     state.goal[agent, X, lane] = world.goals[agent, phase, 0, lane]
@@ -247,7 +250,7 @@ def record_approach(task, world, agent):
         closest = world.record.goal[agent, fixed(phase), CLOSEST]
         for lane in range(world.lanes):
             least = min(closest[lane], state.goal[agent, DISTANCE, lane])
-            closest[lane] = least if state.clock[PHASE, lane] == phase else closest[lane]
+            closest[lane] = least if state.goal[agent, PHASE, lane] == phase else closest[lane]
     return _look_closely(task, world, agent) if looks > 0 else 0
 
 
@@ -274,7 +277,7 @@ def _look_closely(task, world, agent):
 
 @kernel
 def _record_hit(world, agent, lane, distance, turn):
-    goal, phase = world.record.goal, world.state.clock[PHASE, lane]
+    goal, phase = world.record.goal, goal_under_way(world.state, agent, lane)
     goal[agent, phase, HIT_STEP, lane] = world.state.clock[STEP, lane]
     goal[agent, phase, HIT_DISTANCE, lane] = distance
     goal[agent, phase, HIT_HEADING, lane] = turn
@@ -285,7 +288,7 @@ def _record_hit(world, agent, lane, distance, turn):
 def _record_miss(world, agent, lane, kind, distance, turn):
     """Count a close miss; keep the narrowest one, by the measure that was missed."""
     heading, miss = world.state.heading, world.record.miss
-    at = agent, world.state.clock[PHASE, lane], kind
+    at = agent, goal_under_way(world.state, agent, lane), kind
     narrowest, value = miss[(*at, MISS_DISTANCE, lane)], distance
     if kind == HEADING_MISS:
         narrowest, value = miss[(*at, MISS_HEADING, lane)], turn

@@ -108,15 +108,15 @@ def goal_direction(world: World, agent: int, lane: int) -> tuple[float, float]:
 
 @kernel
 def waits(world: World, agent: int, lane: int) -> bool:
-    """Tell whether the HAV waits at the goal under way until the others have hit theirs."""
+    """Tell whether the HAV waits at the goal under way: until the others have hit theirs."""
     return world.state.waiting[agent, lane]
 
 
 @kernel
 def goals_left(world: World, agent: int, lane: int) -> int:
     """Return how many goals the HAV has yet to hit."""
-    hit = world.state.clock[PHASE, lane] + (1 if world.state.waiting[agent, lane] else 0)
-    return world.goals.shape[1] - hit
+    hit = world.state.goal[agent, PHASE, lane] + (1.0 if world.state.waiting[agent, lane] else 0.0)
+    return world.goals.shape[1] - int(hit)
 
 
 @kernel

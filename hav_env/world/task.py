@@ -6,7 +6,7 @@ from hav_env.models.checks import check_value
 from hav_env.models.quantities import AngleTolerance, Distance, Duration, Steps, Tolerance
 
 # what compiled code sees of a word: its place among those that are allowed
-REMOVE = END = 1
+ALONE = REMOVE = END = 1
 
 
 class Task(NamedTuple):
@@ -23,6 +23,11 @@ class Task(NamedTuple):
     sensing_range: Distance = 30.0
     """A HAV senses another when the gap between their reaches is at most this [m]. The paper needs
     the collision distance only (0); more serves policies that look ahead."""
+    next_goal: Literal["together", "alone"] = "together"
+    """When a HAV gets its next goal: together with all others, once every HAV has hit its goal; or
+    alone, as soon as it has hit its own. The text says together: "Once every HAV has reached its
+    first goal, all [...] are assigned their second goal". The published second goals of pairs
+    speak for alone (docs/reproduction.md)."""
     on_goal: Literal["park", "remove"] = "park"
     """A HAV that has hit its last goal stays there, an obstacle to others, or leaves the world."""
     on_jackknife: Literal["record", "end"] = "record"

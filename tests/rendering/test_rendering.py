@@ -26,7 +26,7 @@ def scene(num_havs=1, num_trailers=2, **changed) -> Scene:
     units = num_trailers + 1
     standing = Scene(
         time=0.0,
-        phase=0,
+        phase=np.zeros(num_havs, int),
         x=nothing,
         y=places,
         heading=np.zeros((num_havs, units)),
@@ -227,7 +227,7 @@ def test_events_are_told_once():
     later = scene(
         2,
         time=3.0,
-        phase=1,
+        phase=np.array([1, 1]),
         hits=np.array([1, 0]),
         jackknifed=np.array([False, True]),
         collided=np.array([True, False]),

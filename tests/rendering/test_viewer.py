@@ -154,7 +154,7 @@ def test_a_scene_shows_the_world_of_a_batch():
     aim(batch.worlds, 0, 1, 9.0, 8.0, 0.7)
     stand(batch, 5)
     seen = scene_of(batch.worlds, 1, 0.2, np.array([1, -1]))
-    assert (seen.time, seen.phase, seen.num_goals) == (1.0, 0, 2)
+    assert (seen.time, seen.phase.tolist(), seen.num_goals) == (1.0, [0, 0], 2)
     np.testing.assert_allclose(seen.x, [1.0, 20.0])
     np.testing.assert_allclose(seen.heading[0, :3], [0.1, 0.2, 0.3])
     np.testing.assert_allclose(seen.goal[0], [9.0, 8.0, 0.7])
@@ -197,6 +197,6 @@ def test_one_line_tells_what_there_is_to_see():
 
 def test_a_swarm_is_told_in_counts():
     flags = np.arange(50) < 3
-    swarm = scene(50, phase=1, waiting=flags, collided=flags)
+    swarm = scene(50, phase=np.ones(50, int), waiting=flags, collided=flags)
     assert describe(swarm) == "0.0 s; goal 2/2; 50 HAVs: 3 at goal, 3 collided"
     assert describe(scene(50)) == "0.0 s; goal 1/2; 50 HAVs: all under way"

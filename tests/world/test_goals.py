@@ -76,12 +76,12 @@ def test_whoever_hits_waits_until_all_have_and_then_all_go_on():
     put(batch.worlds, [3.0, 4.0], 490.0, 0.0, agent=1)
     stand(batch)
     assert world.state.waiting.tolist() == [True, False]
-    assert world.state.clock[PHASE] == 0
+    assert world.state.goal[:, PHASE].tolist() == [0, 0]
     batch.step(np.ones((2, 1)), np.zeros((2, 1)))
     assert world.state.x.tolist() == [0.0, pytest.approx(490.2)]
     put(batch.worlds, [3.0, 4.0], 500.3, 0.0, agent=1)
     stand(batch)
-    assert world.state.clock[PHASE] == 1
+    assert world.state.goal[:, PHASE].tolist() == [1, 1]
     assert world.state.waiting.tolist() == [False, False]
     assert world.record.goal[:, 0, HIT_STEP].tolist() == [1, 3]
     assert world.record.goal[:, 0, HIT_DISTANCE].tolist() == [0.0, pytest.approx(0.3)]
@@ -90,14 +90,68 @@ def test_whoever_hits_waits_until_all_have_and_then_all_go_on():
     for agent, goal in enumerate(goals[:, 1]):
         put(batch.worlds, [3.0, 4.0], *goal, agent=agent)
     stand(batch)
-    assert world.state.clock[PHASE] == 2
+    assert world.state.goal[:, PHASE].tolist() == [2, 2]
     assert not batch.ended[0]
     put(batch.worlds, [3.0, 4.0], 0.0, 0.0, agent=0)
     put(batch.worlds, [3.0, 4.0], 0.0, 0.0, agent=1)
     stand(batch)
-    assert world.state.clock[PHASE] == 2  # there is no further goal
+    assert world.state.goal[:, PHASE].tolist() == [2, 2]  # there is no further goal
     assert world.state.waiting.all()
     assert batch.ended[0]
+
+
+def test_alone_each_goes_on_as_soon_as_it_hits():
+    batch = open_plane(1, 2, task=TASK._replace(next_goal="alone"), goals=2)
+    world = batch.world(0)
+    limit(batch.worlds)
+    goals = np.array([[[0.0, 0, 0], [50, 0, 0]], [[500.0, 0, 0], [550, 0, 0]]])
+    world.goals[:] = goals
+    for agent in range(2):
+        aim(batch.worlds, agent, 0, *goals[agent, 0])
+    put(batch.worlds, [3.0, 4.0], 0.0, 0.0, agent=0)
+    put(batch.worlds, [3.0, 4.0], 490.0, 0.0, agent=1)
+    stand(batch)
+    assert world.state.waiting.tolist() == [False, False]
+    assert world.state.goal[:, PHASE].tolist() == [1, 0]
+    assert world.state.goal[:, :2].tolist() == [[50, 0], [500, 0]]
+    batch.step(np.ones((2, 1)), np.zeros((2, 1)))
+    assert world.state.x.tolist() == pytest.approx([0.2, 490.2])  # nobody waits
+    put(batch.worlds, [3.0, 4.0], 50.0, 0.0, agent=0)
+    stand(batch)
+    assert world.state.waiting.tolist() == [True, False]  # at its last goal
+    assert not batch.ended[0]
+    put(batch.worlds, [3.0, 4.0], 500.0, 0.0, agent=1)
+    stand(batch)
+    assert world.state.goal[:, PHASE].tolist() == [1, 1]
+    put(batch.worlds, [3.0, 4.0], 550.0, 0.0, agent=1)
+    stand(batch)
+    assert world.record.goal[..., HIT_STEP].tolist() == [[1, 3], [4, 5]]
+    assert world.record.goal[:, 1, DUBINS].tolist() == [50.0, 50.0]
+    assert batch.ended[0]
+
+
+def test_alone_and_together_are_the_same_for_a_single_hav():
+    together, alone = (
+        rollout("avoid_jack", "paper-single", 3, np.arange(8), Task(next_goal=how))
+        for how in ("together", "alone")
+    )
+    assert together.equals(alone)
+
+
+def test_alone_the_first_goals_of_a_pair_that_never_meets_stay_the_same():
+    """Far apart, each HAV does what it does alone in the world; the text lets the first wait."""
+    apart = RandomPoses(num_havs=2, area_factor=400.0)
+    together, alone = (
+        rollout("avoid_jack", apart, 3, np.arange(12), Task(next_goal=how))
+        for how in ("together", "alone")
+    )
+    met = np.asarray(together["potential_collision"]) | np.asarray(alone["potential_collision"])
+    assert met.mean() < 0.5
+    kept = ~met
+    first = [table["goal_1_step"].fill_null(-1).to_numpy()[kept] for table in (together, alone)]
+    np.testing.assert_array_equal(*first)
+    second = np.asarray(alone["goal_2_hit"])[kept].sum()
+    assert second > np.asarray(together["goal_2_hit"])[kept].sum()
 
 
 @pytest.mark.parametrize("max_steps", [1, 7, 30])

@@ -162,7 +162,7 @@ def test_one_rule_tells_of_one_world_and_of_many():
     batch = Batch(RandomPoses(2), 6, rules)
     batch.reset(3)
     batch.worlds.state.waiting[:, 1] = True
-    batch.worlds.state.clock[PHASE, 1] = batch.scenario.num_goals - 1
+    batch.worlds.state.goal[:, PHASE, 1] = batch.scenario.num_goals - 1
     batch.worlds.state.waiting[:, 2] = True  # at a goal that is not the last
     batch.worlds.record.first[1, ACTUAL, WHEN, 3] = 7
     batch.worlds.record.first[0, JACKKNIFE, WHEN, 4] = 0  # before the first step

@@ -90,7 +90,7 @@ function paintPanel() {
 /** Return what a HAV is up to, as text, with what went wrong in bold. */
 function describe(hav, row) {
   const hits = hitStep[hav].filter(happened).length, bad = harmsOf(hav).map((kind) => kind.state);
-  const doing = removed[row * numHavs + hav] ? "has left" : isWaiting(hav, phases[row]) ? "waits"
+  const doing = removed[row * numHavs + hav] ? "has left" : isWaiting(hav, phases[row * numHavs + hav]) ? "waits"
     : evaded[row * numHavs + hav] !== NEVER ? `evades ${evaded[row * numHavs + hav]}` : "";
   const plain = [bad.length > 1 ? "" : doing, `${hits}/${numGoals}`].filter(Boolean).join(" · ");
   return [bad.join(", "), bad.length ? ` · ${plain}` : plain];
@@ -98,13 +98,16 @@ function describe(hav, row) {
 
 let told = -1;
 function showTime() {
-  const { row } = current, phase = phases[row];
+  const { row } = current;
   find("clock").innerHTML = `${seconds(state.time)} <span>/ ${seconds(duration)}</span>`;
   if (document.activeElement !== find("scrub") || +find("scrub").value !== state.time) find("scrub").value = state.time;
   find("scrub").setAttribute("aria-valuetext", seconds(state.time));
   if (told === row) return;
   told = row;
-  find("phase").textContent = `goal ${phase + 1} of ${numGoals} under way`;
+  const under = phases.subarray(row * numHavs, (row + 1) * numHavs);
+  const least = Math.min(...under) + 1, most = Math.max(...under) + 1;
+  const shown = least === most ? least : `${least}-${most}`;
+  find("phase").textContent = `goal ${shown} of ${numGoals} under way`;
   for (const event of events) event.item.className = event.time > state.time + 1e-9 ? "ahead" : "";
   buttons.forEach((button, hav) => {
     const [bad, plain] = describe(hav, row), place = button.querySelector(".state");

@@ -32,7 +32,7 @@ function draw() {
   const overlap = findOverlaps(poses, order);
   if (layers.footprints) for (const hav of order) drawFootprint(hav, poses[hav], overlap[hav]);
   if (layers.trails) for (const hav of order) drawTrail(hav, row, poses[hav]);
-  for (const hav of order) drawGoal(hav, phases[row], poses[hav]);
+  for (const hav of order) drawGoal(hav, phases[row * numHavs + hav], poses[hav]);
   state.vehiclesDrawn = 0;
   for (const hav of order) {
     if (!isVisible(poses[hav])) continue;
