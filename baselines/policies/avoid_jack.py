@@ -9,7 +9,15 @@ from baselines.policies.dubins_pursuit import goal_attraction
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import atan2, exp, sincos
 from hav_env.maths.geometry import clip
-from hav_env.models.quantities import Articulation, Coefficient, Distance, Duration, Factor, Release
+from hav_env.models.quantities import (
+    Articulation,
+    Coefficient,
+    Distance,
+    Duration,
+    Factor,
+    Release,
+    Share,
+)
 from hav_env.policies.interface import (
     act_lanes,
     check_parameters,
@@ -20,11 +28,11 @@ from hav_env.policies.interface import (
 from hav_env.world.sensing import (
     articulation_direction,
     limits,
-    neighbor_distance,
     neighbor_footprint,
     neighbor_id,
     neighbor_length,
-    neighbor_position,
+    neighbor_point,
+    neighbor_point_distance,
     num_neighbors,
     num_trailers,
     own_footprint,
@@ -55,6 +63,15 @@ class AvoidJack(NamedTuple):
     evasion_truck_share: Factor = 0.0
     """A HAV evades when the distance of the trucks falls below the collision distance d_ih plus
     this share of both trucks' lengths. The paper names d_ih alone."""
+    evasion_center: Share = 0.0
+    """Which points of both trucks that distance is between: this share of the truck's length ahead
+    of its rear axle. The text says the rear axle (0); 0.5, the truck's centre, with half of the
+    truck's length in the distance makes circles that hold the whole HAV."""
+    evasion_from_center: bool = False
+    """Evade away from that point of the other truck instead of from its rear axle."""
+    evasion_clipped: bool = False
+    """Cut the direction of evasion to the steering limit before the jackknife repulsion is added;
+    goal attraction is within the limit by itself. The text cuts the sum alone."""
     evasion_release: Release = 1.0
     """Evasion ends when the distance exceeds this many times the distance at which it starts. The
     paper leaves the end open; 1 is the least that its text needs. A HAV out of sensing range is
@@ -136,10 +153,15 @@ def _evade(policy, memory, world, agent, lane):
     """Replace the goal vector by one away from the HAV to be evaded, where there is one."""
     evaded = choose_evaded(policy, memory, world, agent, lane)
     if evaded >= 0:
-        forward, left = neighbor_position(world, agent, evaded, lane)
+        share = policy.evasion_center if policy.evasion_from_center else 0.0
+        forward, left = neighbor_point(world, agent, evaded, share, lane)
         distance = max(math.sqrt(forward * forward + left * left), _TINY)
-        memory[agent, VECTOR_FORWARD, lane] = -forward / distance
-        memory[agent, VECTOR_LEFT, lane] = -left / distance
+        ahead, aside = -forward / distance, -left / distance
+        cosine, sine = steering_direction(world, agent, lane)
+        if policy.evasion_clipped and ahead < cosine:
+            ahead, aside = cosine, math.copysign(sine, aside)
+        memory[agent, VECTOR_FORWARD, lane] = ahead
+        memory[agent, VECTOR_LEFT, lane] = aside
 
 
 @kernel
@@ -192,7 +214,7 @@ def choose_evaded(policy, memory, world, agent, lane):
         trucks = unit_length(world, agent, 0, lane) + neighbor_length(world, agent, k, 0, lane)
         start += policy.evasion_truck_share * trucks
         known = neighbor_id(world, agent, k, lane) == before
-        depth = start - neighbor_distance(world, agent, k, lane)
+        depth = start - neighbor_point_distance(world, agent, k, policy.evasion_center, lane)
         if known and depth >= start * (1.0 - policy.evasion_release):
             if policy.keep_first:
                 chosen = k

@@ -18,11 +18,12 @@ from hav_env.compiled import (
 )
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.models.protocols import Policy, Scenario, Vehicle
-from hav_env.policies.interface import act_all, allocate_memory, check_models
+from hav_env.policies.interface import allocate_memory, check_models
 from hav_env.policies.names import make_policy
+from hav_env.policies.stepping import act_and_step
 from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.batch import Batch, read_episodes
-from hav_env.simulator.transition import ended, remove_arrived, step
+from hav_env.simulator.transition import ended
 from hav_env.vehicles import VEHICLES, OnAxle
 from hav_env.world.arrays import FEW, PHASE, allocate_worlds
 from hav_env.world.lanes import LANES, block_of, exchange_lanes, exchange_worlds
@@ -64,9 +65,7 @@ def rollout_worlds(
         # idle lanes in a whole vector cost less than odd ones
         lanes = min((active + VECTOR - 1) // VECTOR * VECTOR, stage.lanes)
         block = block_of(stage, 0, lanes, stage.units)
-        act_all(policy, memory, block, speed, steering, 0)
-        remove_arrived(task, block)
-        if step(task, vehicle, block, speed, steering) == 0:
+        if act_and_step(policy, memory, task, vehicle, block, speed, steering) == 0:
             continue
         for lane in range(active - 1, -1, -1):
             if not ended(task, stage, lane):

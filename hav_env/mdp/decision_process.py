@@ -36,7 +36,7 @@ from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.batch import Batch, begin_worlds, check_placed
 from hav_env.vehicles import VEHICLES, OnAxle
 from hav_env.world.lanes import APART
-from hav_env.world.task import Task, set_rules
+from hav_env.world.task import Task, check_at_once, set_rules
 
 _HAVS_PER_THREAD = 1_024  # HAVs for which it is worth to wake a thread
 
@@ -106,7 +106,9 @@ class DecisionProcess:
         check_reward(reward)
         try_reward(reward)
         check_value("frame_skip", Skipped, frame_skip)
-        self.batch = Batch(scenario, num_worlds, set_rules(task, **rules), vehicle, threads)
+        task = set_rules(task, **rules)
+        check_at_once(task)
+        self.batch = Batch(scenario, num_worlds, task, vehicle, threads)
         n, w = self.batch.scenario.num_havs, self.batch.num_worlds
         c = n if controlled is None else controlled
         self.num_controlled, self.num_havs, self.num_worlds = c, n, w

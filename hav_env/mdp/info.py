@@ -16,7 +16,7 @@ from hav_env.world.arrays import (
     goal_under_way,
 )
 from hav_env.world.event_table import EVENTS, unharmed
-from hav_env.world.events import goals_hit
+from hav_env.world.goals import goals_hit
 
 REPORT = (
     "is_success",

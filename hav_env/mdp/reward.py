@@ -26,7 +26,7 @@ from hav_env.world.arrays import (
     truck_distance,
 )
 from hav_env.world.collision import collision_distance, front_gap
-from hav_env.world.events import goals_hit
+from hav_env.world.goals import goals_hit
 
 # what was so before the action, of each HAV: whether it waited, goals hit, Dubins length to the
 # goal [m], ever jackknifed, ever in an actual collision

@@ -8,6 +8,7 @@ from hav_env.models.protocols import Policy
 from hav_env.policies.interface import allocate_memory, check_policy, decide
 from hav_env.policies.names import make_policy
 from hav_env.simulator.batch import Batch
+from hav_env.world.task import check_at_once
 
 
 class PolicyDriver:
@@ -25,9 +26,11 @@ class PolicyDriver:
                 and its memory of them, which others may hear, stays empty.
 
         Raises:
-            ValueError, TypeError: when there is no such policy, or it cannot drive these HAVs.
+            ValueError, TypeError: when there is no such policy, or it cannot drive these HAVs,
+                or they decide in turn.
         """
         self.policy = make_policy(policy)
+        check_at_once(batch.task)
         check_policy(self.policy, batch.scenario, batch.task, batch.vehicle)
         self.batch, self.first = batch, first
         self.memory = allocate_memory(self.policy, batch.scenario.num_havs, batch.num_worlds)

@@ -21,7 +21,7 @@ from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world.arrays import NEVER, World
 from hav_env.world.lanes import LANES, block_of, moving_block
 from hav_env.world.sensing import neighbor_id
-from hav_env.world.task import Task, check_task
+from hav_env.world.task import Task, check_at_once, check_task
 
 
 @generic
@@ -82,17 +82,22 @@ def act_all(policy, memory, world, speed, steering, first_agent):
     Values for a HAV that waits are void.
     """
     for hav in range(first_agent, speed.shape[0]):
-        agent = fixed(hav)
-        moving = moving_block(world, agent)
-        first = moving.first - world.first
-        act_lanes(
-            policy,
-            lanes_from(memory, first),
-            moving,
-            agent,
-            lanes_from(speed, first),
-            lanes_from(steering, first),
-        )
+        act_for(policy, memory, world, fixed(hav), speed, steering)
+
+
+@kernel
+def act_for(policy, memory, world, agent, speed, steering):
+    """Let one HAV of a block of worlds decide, in the lanes where it does not wait."""
+    moving = moving_block(world, agent)
+    first = moving.first - world.first
+    act_lanes(
+        policy,
+        lanes_from(memory, first),
+        moving,
+        agent,
+        lanes_from(speed, first),
+        lanes_from(steering, first),
+    )
 
 
 @entry
@@ -259,7 +264,11 @@ def decide(
         memory: from ``allocate_memory``, kept from step to step, written to.
         batch: the worlds that HAVs sense; pass the result to ``batch.step``.
         first_agent: the first HAV that the policy acts for.
+
+    Raises:
+        ValueError: when the rules let HAVs decide in turn.
     """
+    check_at_once(batch.task)
     speed, steering = np.zeros((2, *batch.worlds.state.x.shape))
     act_worlds(
         batch.num_worlds,

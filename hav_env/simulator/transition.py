@@ -23,13 +23,8 @@ from hav_env.world.arrays import (
 )
 from hav_env.world.collision import enclose
 from hav_env.world.continuous_collision import enclose_way, note_axles
-from hav_env.world.events import (
-    assign_goal,
-    clear_record,
-    record_approach,
-    record_collisions,
-    record_motion,
-)
+from hav_env.world.events import clear_record, record_collisions, record_motion
+from hav_env.world.goals import assign_goal, record_approach
 from hav_env.world.lanes import block_of, moving_block
 from hav_env.world.neighborhood import find_nearby
 from hav_env.world.task import ALONE, END, REMOVE
@@ -77,19 +72,47 @@ def step(task, vehicle, world, speed, steering):
         A number above 0 when worlds may have ended: time is up, a goal was hit, something
         happened.
     """
-    num_havs, hits, events = world.state.x.shape[0], 0, 0
-    late_worlds = _count_step(task, world)
-    for hav in range(num_havs):
-        agent = fixed(hav)
-        _command(world, agent, speed, steering)
-        moving = moving_block(world, agent)
-        move(vehicle, task.dt, moving, agent)
-        events += record_motion(task.dt, moving, agent)
-        hits += record_approach(task, moving, agent)
-        if num_havs > 1:
-            enclose(moving, agent)
-            if task.continuous_collisions:
-                enclose_way(moving, agent)
+    hits, events = 0, 0
+    late_worlds = count_step(task, world)
+    for hav in range(world.state.x.shape[0]):
+        happened, hit = drive(task, vehicle, world, fixed(hav), speed, steering)
+        events, hits = events + happened, hits + hit
+    return late_worlds + finish_step(task, world, events, hits)
+
+
+@kernel
+def drive(task, vehicle, world, agent, speed, steering):
+    """Move one HAV of a block of worlds as it was commanded, and record what comes of it.
+
+    Returns:
+        In how many lanes it may have jackknifed, and in how many it hit its goal.
+    """
+    _command(world, agent, speed, steering)
+    moving = moving_block(world, agent)
+    move(vehicle, task.dt, moving, agent)
+    events = record_motion(task, moving, agent)
+    hits = record_approach(task, moving, agent)
+    if world.state.x.shape[0] > 1:
+        enclose(moving, agent)
+        if task.continuous_collisions:
+            enclose_way(moving, agent)
+    return events, hits
+
+
+@kernel
+def finish_step(task, world, events, hits):
+    """Look for collisions and assign goals, once all HAVs have moved.
+
+    Args:
+        task: the rules.
+        world: the block.
+        events: how many jackknifes there may be, as the HAVs' moves told.
+        hits: how many goals were hit.
+
+    Returns:
+        How many events there may be in all.
+    """
+    num_havs = world.state.x.shape[0]
     if num_havs > 1:
         find_nearby(task, world)
         events += record_collisions(task, world)
@@ -98,11 +121,11 @@ def step(task, vehicle, world, speed, steering):
                 note_axles(world, agent)
     if hits > 0:
         _assign_next_goals(task, world)
-    return late_worlds + hits + events
+    return hits + events
 
 
 @kernel
-def _count_step(task, world):
+def count_step(task, world):
     """Count the step; return in how many worlds time is up."""
     clock, late_worlds = world.state.clock, 0
     for lane in range(world.lanes):

@@ -4,7 +4,7 @@ import math
 
 from hav_env.compiled import kernel
 from hav_env.maths.geometry import nearest_on_segment, segments_intersect
-from hav_env.world.arrays import END_X, END_Y, FOOTPRINT, HIGH, LEFT, LOW, RIGHT, truck_distance
+from hav_env.world.arrays import END_X, END_Y, FOOTPRINT, HIGH, LEFT, LOW, RIGHT
 from hav_env.world.chain import axle_behind, front_axle
 
 
@@ -15,10 +15,30 @@ def collision_distance(fleet, agent, other, lane):
 
 
 @kernel
-def potential_collision(world, agent, other, lane):
-    """Tell whether the footprint circles of two HAVs overlap, eq. (potential-collision)."""
-    distance = truck_distance(world.state, agent, other, lane)
-    return distance <= collision_distance(world.fleet, agent, other, lane)
+def potential_collision(task, world, agent, other, lane):
+    """Tell whether the footprint circles of two HAVs overlap, eq. (potential-collision).
+
+    The task may put the circles elsewhere and widen them; the text does not.
+    """
+    dx, dy = offset_between(world, agent, other, task.potential_center, lane)
+    trucks = world.fleet.length[agent, 0, lane] + world.fleet.length[other, 0, lane]
+    limit = collision_distance(world.fleet, agent, other, lane)
+    return math.sqrt(dx * dx + dy * dy) <= limit + task.potential_truck_share * trucks
+
+
+@kernel
+def offset_between(world, agent, other, share, lane):
+    """Return x and y [m] from a point of one truck to the same point of another.
+
+    The points lie a share of the truck's length ahead of its rear axle.
+    """
+    state, length = world.state, world.fleet.length
+    own, others = share * length[agent, 0, lane], share * length[other, 0, lane]
+    dx = state.x[other, lane] - state.x[agent, lane]
+    dy = state.y[other, lane] - state.y[agent, lane]
+    dx += others * state.cosine[other, 0, lane] - own * state.cosine[agent, 0, lane]
+    dy += others * state.sine[other, 0, lane] - own * state.sine[agent, 0, lane]
+    return dx, dy
 
 
 @kernel

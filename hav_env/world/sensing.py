@@ -5,6 +5,8 @@ read the world through these functions alone. That is the decentralisation contr
 also makes every policy indifferent to where in the plane the world lies.
 """
 
+import math
+
 from hav_env.compiled import kernel
 from hav_env.maths.geometry import into_frame, wrap
 from hav_env.world.arrays import (
@@ -28,7 +30,7 @@ from hav_env.world.arrays import (
     into_truck_frame,
     truck_distance,
 )
-from hav_env.world.collision import front_axle, front_gap, nearest_on_chain
+from hav_env.world.collision import front_axle, front_gap, nearest_on_chain, offset_between
 
 
 @kernel
@@ -144,6 +146,25 @@ def neighbor_position(world: World, agent: int, k: int, lane: int) -> tuple[floa
 def neighbor_distance(world: World, agent: int, k: int, lane: int) -> float:
     """Return the distance [m] from truck to truck of neighbour ``k``."""
     return truck_distance(world.state, agent, world.nearby.index[agent, k, lane], lane)
+
+
+@kernel
+def neighbor_point(
+    world: World, agent: int, k: int, share: float, lane: int
+) -> tuple[float, float]:
+    """Return where a point of the truck of neighbour ``k`` is, seen from the own truck's same one.
+
+    The points lie a share of the truck's length ahead of its rear axle: forward [m], left [m].
+    """
+    dx, dy = offset_between(world, agent, world.nearby.index[agent, k, lane], share, lane)
+    return into_truck_frame(world.state, agent, lane, dx, dy)
+
+
+@kernel
+def neighbor_point_distance(world: World, agent: int, k: int, share: float, lane: int) -> float:
+    """Return the distance [m] between these points of both trucks, see ``neighbor_point``."""
+    dx, dy = offset_between(world, agent, world.nearby.index[agent, k, lane], share, lane)
+    return math.sqrt(dx * dx + dy * dy)
 
 
 @kernel

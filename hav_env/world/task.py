@@ -2,11 +2,12 @@
 
 from typing import Literal, NamedTuple
 
-from hav_env.models.checks import check_value
-from hav_env.models.quantities import AngleTolerance, Distance, Duration, Steps, Tolerance
+from hav_env.compiled import kernel
+from hav_env.models.checks import check_relations, check_value, require
+from hav_env.models.quantities import AngleTolerance, Distance, Duration, Share, Steps, Tolerance
 
 # what compiled code sees of a word: its place among those that are allowed
-ALONE = REMOVE = END = 1
+ALONE = IN_TURN = REMOVE = END = 1
 
 
 class Task(NamedTuple):
@@ -28,6 +29,10 @@ class Task(NamedTuple):
     alone, as soon as it has hit its own. The text says together: "Once every HAV has reached its
     first goal, all [...] are assigned their second goal". The published second goals of pairs
     speak for alone (docs/reproduction.md)."""
+    order: Literal["at_once", "in_turn"] = "at_once"
+    """Whether all HAVs decide on the state before the step and then move at once, or one after the
+    other decides and moves: HAV 1 sees where HAV 0 has gone. The text is silent. Who is within
+    sensing range is found once, before the step. Environments take the actions of all at once."""
     on_goal: Literal["park", "remove"] = "park"
     """A HAV that has hit its last goal stays there, an obstacle to others, or leaves the world."""
     on_jackknife: Literal["record", "end"] = "record"
@@ -38,6 +43,27 @@ class Task(NamedTuple):
     """Look for actual collisions between steps too, where every axle goes straight from its place
     before the step to its place after it; among HAVs that sense each other. The paper's figures
     are those of the steps."""
+    record_every: Steps = 1
+    """Look for jackknifes, collisions and close misses after every so many steps only, as a program
+    does that keeps every so many poses. HAVs stop at their goals as they do otherwise."""
+    potential_center: Share = 0.0
+    """Where the circles of potential collisions lie: this share of the truck's length ahead of its
+    rear axle. The text puts them round the rear axle (0). Area and placement go by the text."""
+    potential_truck_share: Share = 0.0
+    """Share of both trucks' lengths that the distance of a potential collision counts on top of the
+    trailers. The text counts trailers alone (0). Area and placement go by the text."""
+
+
+@kernel
+def records(task, step):
+    """Tell whether events are looked for after this step."""
+    return task.record_every == 1 or step % task.record_every == 0
+
+
+@check_relations.register
+def _(task: Task) -> None:
+    both = task.continuous_collisions and task.record_every > 1
+    require(not both, "task", task, "record_every", "1 where continuous_collisions is on")
 
 
 def set_rules(task: Task, **rules) -> Task:
@@ -54,6 +80,19 @@ def set_rules(task: Task, **rules) -> Task:
     task = task._replace(**rules)
     check_task(task)
     return task
+
+
+def check_at_once(task: Task) -> None:
+    """Check that HAVs decide at once, as they must where their commands come from outside.
+
+    Raises:
+        ValueError: when they decide in turn.
+    """
+    if task.order in ("in_turn", IN_TURN):
+        raise ValueError(
+            "task order is 'in_turn', but must be 'at_once' where all actions are given together:"
+            " rollout, evaluate and watch run HAVs in turn"
+        )
 
 
 def check_task(task: Task) -> None:

@@ -18,6 +18,7 @@ from hav_env.policies.interface import (
     check_rules,
     memory_size,
 )
+from hav_env.world.task import check_at_once
 
 
 class Reserve(NamedTuple):
@@ -96,6 +97,7 @@ def _(policy: Reserve, scenario, task, vehicle) -> None:
         value, rule = getattr(policy, field), getattr(task, field)
         if value != rule:
             raise ValueError(f"policy {field} is {value}, but must be the task's, {rule}")
+    check_at_once(task)
     check_range(scenario, policy.dt, task.sensing_range)
 
 
