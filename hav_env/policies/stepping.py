@@ -2,7 +2,7 @@
 
 from hav_env.compiled import fixed, kernel
 from hav_env.policies.interface import act_for
-from hav_env.simulator.transition import count_step, drive, finish_step, remove_arrived
+from hav_env.simulator.transition import count_step, finish_step, move_hav, remove_arrived
 from hav_env.world.task import IN_TURN
 
 
@@ -34,7 +34,7 @@ def act_and_step(policy, memory, task, vehicle, world, speed, steering):
             if hav == 0:
                 remove_arrived(task, world)
                 late_worlds = count_step(task, world)
-            happened, hit = drive(task, vehicle, world, agent, speed, steering)
+            happened, hit = move_hav(task, vehicle, world, agent, speed, steering)
             events, hits = events + happened, hits + hit
     return late_worlds + finish_step(task, world, events, hits)
 

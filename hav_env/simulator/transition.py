@@ -75,13 +75,13 @@ def step(task, vehicle, world, speed, steering):
     hits, events = 0, 0
     late_worlds = count_step(task, world)
     for hav in range(world.state.x.shape[0]):
-        happened, hit = drive(task, vehicle, world, fixed(hav), speed, steering)
+        happened, hit = move_hav(task, vehicle, world, fixed(hav), speed, steering)
         events, hits = events + happened, hits + hit
     return late_worlds + finish_step(task, world, events, hits)
 
 
 @kernel
-def drive(task, vehicle, world, agent, speed, steering):
+def move_hav(task, vehicle, world, agent, speed, steering):
     """Move one HAV of a block of worlds as it was commanded, and record what comes of it.
 
     Returns:

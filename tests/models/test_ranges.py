@@ -199,9 +199,18 @@ WORDS = st.fixed_dictionaries(
     {
         "on_goal": st.sampled_from(["park", "remove"]),
         "on_jackknife": st.sampled_from(["record", "end"]),
+        "next_goal": st.sampled_from(["together", "alone"]),
     }
 )
-TASKS = st.builds(lambda task, words: task._replace(**words), numbers_in(Task), WORDS)
+
+
+def agreeing(task: Task, words: dict[str, str]) -> Task:
+    """Return a task whose fields agree: collisions between steps are looked for in every step."""
+    every = 1 if task.continuous_collisions else task.record_every
+    return task._replace(record_every=every, **words)
+
+
+TASKS = st.builds(agreeing, numbers_in(Task), WORDS)
 
 
 @settings(max_examples=budget(300, 15))
