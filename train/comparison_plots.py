@@ -37,8 +37,8 @@ def draw_bars(scores: list[list[Score]], title: str) -> Figure:
     for axes, row in zip(panels, scores, strict=False):
         scale = 100.0 if row[0].figure.percent else 1.0
         for place, one in enumerate(row):
-            value, low, high, size = one.measured
-            if size == 0:
+            value, low, high = one.measured[:3]
+            if one.measured.size == 0:
                 continue
             reach = scale * np.array([[max(value - low, 0.0)], [max(high - value, 0.0)]])
             color = _COLORS[place % len(_COLORS)]

@@ -60,15 +60,18 @@ def compare(names: list[str], tables: list[pa.Table]) -> list[list[str]]:
 def tabulate_scores(scores: list[list[Score]]) -> pa.Table:
     """Return scores as a table, one row for each policy and figure.
 
-    Columns: ``policy``, ``figure``, ``value``, ``low``, ``high`` (95 %), ``size`` (observations),
-    and the same of the difference from the first policy, ``difference_...``, null for that one.
+    Columns: ``policy``, ``figure``, ``value``, ``low``, ``high`` (95 %), ``size`` (HAVs),
+    ``design_effect`` (of the HAVs of an episode on each other), and all but the last of the
+    difference from the first policy, ``difference_...``, null for that one.
     """
     rows = []
     for one in (one for row in scores for one in row):
         names = {"policy": visible(one.policy), "figure": one.figure.name}
         told = names | one.measured._asdict()
         difference = one.difference or Interval(None, None, None, 0)  # type: ignore[arg-type]
-        rows.append(told | {f"difference_{k}": v for k, v in difference._asdict().items()})
+        behind = difference._asdict()
+        del behind["design_effect"]  # 1, since its observations are episodes
+        rows.append(told | {f"difference_{k}": v for k, v in behind.items()})
     return pa.Table.from_pylist(rows)
 
 

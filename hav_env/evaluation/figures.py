@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from hav_env.evaluation.statistics import Interval, mean, wilson
+from hav_env.evaluation.statistics import Interval, mean, proportion
 from hav_env.world.event_table import EVENTS, Event
 
 
@@ -97,6 +97,14 @@ def figure_values(table: pa.Table, figure: Figure) -> np.ndarray:
 
 
 def measure(table: pa.Table, figure: Figure) -> Interval:
-    """Return a figure with its 95 % interval: Wilson for shares, normal for means."""
-    values = figure_values(table, figure)
-    return wilson(int(values.sum()), values.size) if figure.percent else mean(values)
+    """Return a figure with its 95 % interval, clustered by episode.
+
+    Args:
+        table: of ``hav_env.evaluation.rollout``, or its columns ``episode`` and that of the figure.
+        figure: the figure, with the number of its goal.
+
+    Returns:
+        A share of HAVs with its Wilson interval, or a mean with its normal interval.
+    """
+    values, episodes = figure_values(table, figure), table["episode"].to_numpy()
+    return proportion(values, episodes) if figure.percent else mean(values, episodes)

@@ -1,6 +1,8 @@
-"""This module computes confidence intervals of proportions and of paired differences.
+"""This module computes confidence intervals of shares and means, clustered by episode.
 
-Paired differences are those between policies on the same episodes.
+The HAVs of one episode are not independent: two HAVs of a pair always share a collision. Intervals
+therefore take episodes as the units that are sampled, and HAVs as their clusters. Paired
+differences are those between policies on the same episodes.
 """
 
 import math
@@ -12,15 +14,27 @@ _Z = 1.959963984540054  # 95 %, two-sided
 
 
 class Interval(NamedTuple):
-    """A value with its 95 % interval; ``size`` is the number of observations."""
+    """A value with its 95 % interval."""
 
     value: float
     low: float
     high: float
     size: int
+    """Number of observations: of HAVs, or of episodes in paired differences."""
+    design_effect: float = 1.0
+    """Variance of the value over that of as many independent observations, at least 1."""
+
+    @property
+    def effective_size(self) -> float:
+        """The number of independent observations that tell as much."""
+        return self.size / self.design_effect
 
     def show(self, percent: bool) -> str:
-        """Write the interval as text, for instance ``86.7 % [85.7, 87.7]``."""
+        """Write the interval as text, for instance ``86.7 % [85.7, 87.7]``.
+
+        Args:
+            percent: whether the value is a share, to be written in percent.
+        """
         if self.size == 0:
             return "-"
         if percent:
@@ -28,20 +42,82 @@ class Interval(NamedTuple):
         return f"{self.value:.3g} [{self.low:.3g}, {self.high:.3g}]"
 
 
-def wilson(successes: int, size: int) -> Interval:
-    """Return a proportion with its Wilson score interval (Wilson 1927)."""
+def design_effect(values: np.ndarray, episodes: np.ndarray) -> float:
+    """Return how many times the variance of the mean exceeds that of independent HAVs.
+
+    A mean over HAVs is a ratio of two totals over episodes: of the values and of the HAVs. Its
+    variance is ``sum_k (sum_i (v_ki - mean))^2 / size^2`` (Kish 1965; for shares Rao & Scott 1992).
+    That of independent HAVs is ``sum_ki (v_ki - mean)^2 / size^2``. The design effect is their
+    quotient. Both leave out the factor n / (n - 1), as Wilson's interval does.
+
+    - With one HAV in every episode it is exactly 1.
+    - Below 1 it is clipped at 1. The estimate scatters around 1 where HAVs are independent, and an
+      interval must not be narrower by chance. HAVs that exclude each other's success are rare, and
+      then the interval is somewhat too wide.
+    - Values that are all equal, or a single episode, do not tell it. Then it has its largest
+      expected value, ``sum_k size_k^2 / size``: all HAVs of an episode fare alike. This is the
+      number of HAVs of an episode if all episodes have as many. It is safe, and wide for swarms.
+
+    Args:
+        values: (R,) values of HAVs, all finite; 0 or 1 for shares.
+        episodes: (R,) the episode of each value.
+    """
+    _, group, sizes = np.unique(episodes, return_inverse=True, return_counts=True)
+    if sizes.max(initial=1) == 1:
+        return 1.0
+    if sizes.size == 1 or values.min() == values.max():
+        return float(np.sum(sizes * sizes) / values.size)
+    deviation = values - values.mean()
+    totals = np.bincount(group, weights=deviation)
+    effect = np.sum(totals * totals) / np.sum(deviation * deviation)
+    # the upper bound holds by Cauchy-Schwarz, so it cuts rounding only
+    return float(np.clip(effect, 1.0, sizes.max()))
+
+
+def wilson(successes: int, size: int, design_effect: float = 1.0) -> Interval:
+    """Return a proportion with its Wilson score interval (Wilson 1927).
+
+    Args:
+        successes: number of observations that are successes.
+        size: number of observations.
+        design_effect: of the observations, at least 1. The interval is that of
+            ``size / design_effect`` independent observations (Rao & Scott 1992). A published count
+            without episodes has an unknown one; the same figure measured here is its best estimate.
+
+    Raises:
+        ValueError: when the design effect is below 1 or not finite.
+    """
+    if not 1.0 <= design_effect < math.inf:
+        raise ValueError(f"design_effect is {design_effect}, but must be at least 1 and finite")
     if size == 0:
         return Interval(math.nan, math.nan, math.nan, 0)
-    share, spread = successes / size, _Z * _Z / size
+    effective = size / design_effect
+    share, spread = successes / size, _Z * _Z / effective
     centre = (share + spread / 2) / (1 + spread)
-    half = _Z * math.sqrt(share * (1 - share) / size + spread / size / 4) / (1 + spread)
-    return Interval(share, max(centre - half, 0.0), min(centre + half, 1.0), size)
+    half = _Z * math.sqrt(share * (1 - share) / effective + spread / effective / 4) / (1 + spread)
+    low, high = max(centre - half, 0.0), min(centre + half, 1.0)
+    return Interval(share, low, high, size, design_effect)
+
+
+def proportion(values: np.ndarray, episodes: np.ndarray) -> Interval:
+    """Return the share of HAVs with its 95 % Wilson interval, clustered by episode.
+
+    Args:
+        values: (R,) 1 or True for HAVs that count, 0 or False for others.
+        episodes: (R,) the episode of each HAV.
+    """
+    effect = design_effect(values, episodes)
+    return wilson(int(values.sum()), values.size, effect)
 
 
 def proportions_agree(one: Interval, other: Interval) -> bool:
     """Tell whether two independent proportions may be equal, at 95 %.
 
     The interval of their difference is Newcombe's (1998, method 10), from both Wilson intervals.
+
+    Args:
+        one: a proportion, of ``wilson`` or ``proportion``.
+        other: another one, of other episodes.
     """
     difference = one.value - other.value
     below = math.hypot(one.value - one.low, other.high - other.value)
@@ -49,14 +125,52 @@ def proportions_agree(one: Interval, other: Interval) -> bool:
     return difference - below <= 0 <= difference + above
 
 
-def mean(values: np.ndarray) -> Interval:
-    """Return a mean with its normal 95 % interval; what is not finite is left out."""
-    values = values[np.isfinite(values)]
+def standardized_difference(one: Interval, other: Interval) -> float:
+    """Return ``one - other`` in standard errors, for two independent proportions.
+
+    The standard error is that of equal shares: pooled, each weighed by its effective size. It is
+    above 0 when one share is 0. If the two are equal, the square is chi-square distributed with one
+    degree of freedom, for effective sizes that are large. It is the score test, not Newcombe's
+    interval, so the two may differ when the evidence is marginal.
+
+    Args:
+        one: a proportion, of ``wilson`` or ``proportion``.
+        other: another one, of other episodes.
+
+    Returns:
+        The difference; 0 when both shares are 0 or both are 1, nan when one has no observations.
+    """
+    if one.size == 0 or other.size == 0:
+        return math.nan
+    if one.value == other.value:
+        return 0.0
+    sizes = one.effective_size, other.effective_size
+    pooled = (sizes[0] * one.value + sizes[1] * other.value) / (sizes[0] + sizes[1])
+    variance = pooled * (1 - pooled) * (1 / sizes[0] + 1 / sizes[1])
+    return (one.value - other.value) / math.sqrt(variance)
+
+
+def mean(values: np.ndarray, episodes: np.ndarray | None = None) -> Interval:
+    """Return a mean with its normal 95 % interval; what is not finite is left out.
+
+    Args:
+        values: (R,) values; nan where there is none.
+        episodes: (R,) the episode of each value, by which the interval is clustered; None when the
+            values are independent.
+    """
+    known = np.isfinite(values)
+    values = values[known]
     if values.size == 0:
         return Interval(math.nan, math.nan, math.nan, 0)
-    centre = float(values.mean())
-    half = _Z * float(values.std(ddof=1)) / math.sqrt(values.size) if values.size > 1 else math.inf
-    return Interval(centre, centre - half, centre + half, values.size)
+    count, effect = values.size, 1.0
+    if episodes is not None:
+        count, effect = np.unique(episodes[known]).size, design_effect(values, episodes[known])
+    centre, half = float(values.mean()), math.inf
+    if count > 1:
+        # the variance over all values, times count / (count - 1) for the number of episodes
+        deviation = float(values.std(ddof=values.size / count))
+        half = _Z * deviation / math.sqrt(values.size) * math.sqrt(effect)
+    return Interval(centre, centre - half, centre + half, values.size, effect)
 
 
 def paired_difference(episodes: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> Interval:
