@@ -24,7 +24,7 @@ from baselines.storage.locks import sole_user
 from hav_env import Task, find_scenario
 from hav_env.cli.options import run_command
 from hav_env.evaluation.figures import goals_of
-from hav_env.evaluation.statistics import wilson
+from hav_env.evaluation.statistics import Interval, proportion
 from hav_env.policies.names import make_policy
 from hav_env.world.event_table import HARM
 
@@ -96,10 +96,10 @@ class Run(NamedTuple):
 class Findings(NamedTuple):
     """The outcome of a policy in a scenario."""
 
-    harmed: tuple[int, ...]
-    """To how many HAVs each event of ``HARM`` happened."""
-    hits: tuple[int, ...]
-    """Number of HAVs that hit each goal."""
+    harmed: tuple[Interval, ...]
+    """Share of HAVs to which each event of ``HARM`` happened."""
+    hits: tuple[Interval, ...]
+    """Share of HAVs that hit each goal."""
     size: int
     """HAVs in worlds in which all can be done."""
     apart: int
@@ -193,10 +193,11 @@ def look_at(table: pa.Table, fleet) -> Findings:
     hit = np.stack([column(table, f"goal_{g}_hit") > 0 for g in goals])
     last = column(table, f"goal_{goals[-1]}_step")
     steep, stable = shortest_times(table, fleet)
+    episodes = table["episode"].to_numpy()[~apart]
     done, started = ~apart & hit.all(0) & (steep.sum(0) > 0), ~apart & hit[0]
     return Findings(
-        tuple(int(column(table, event.name)[~apart].sum()) for event in HARM),
-        tuple(int(row[~apart].sum()) for row in hit),
+        tuple(proportion(column(table, event.name)[~apart], episodes) for event in HARM),
+        tuple(proportion(row[~apart], episodes) for row in hit),
         int((~apart).sum()),
         int(apart.sum()) // num_havs,
         tuple(int(row[apart].sum()) for row in hit),
@@ -223,18 +224,13 @@ HEAD = (
 
 def row_of(scenario: str, policy: str, found: Findings) -> list[str]:
     """Return a row of the table."""
-
-    def share(count: int) -> str:
-        return wilson(count, found.size).show(percent=True)
-
     time = found.stable if math.isnan(found.steep) else found.steep
     hits = ", ".join(map(str, found.hits_apart))
     return [
         scenario,
         policy,
         str(found.size),
-        *map(share, found.harmed),
-        *map(share, found.hits),
+        *(share.show(percent=True) for share in (*found.harmed, *found.hits)),
         f"{time:.3f}",
         f"{found.apart}: {hits}" if found.apart else "0",
     ]
