@@ -21,7 +21,7 @@ from hav_env.models.quantities import (
 from hav_env.policies.interface import (
     act_lanes,
     check_parameters,
-    evaded_by,
+    evaded,
     joint_weights,
     memory_size,
 )
@@ -105,9 +105,10 @@ def _(policy: AvoidJack, cosine):
     return 1.0 + np.tanh(policy.b - policy.c * cosine)
 
 
-@evaded_by.register
-def _(policy: AvoidJack, memory):
-    return memory[:, EVADED].astype(np.int64) - 1
+@evaded.register(AvoidJack)
+def evaded_by_avoid_jack(policy, memory, agent, lane):
+    """Return the number of the HAV being evaded."""
+    return int(memory[agent, EVADED, lane]) - 1
 
 
 @act_lanes.register(AvoidJack)

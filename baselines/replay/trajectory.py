@@ -4,21 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from baselines.replay.recording import run_and_record
 from hav_env import Batch, Task
 from hav_env.maths.random_numbers import Seed
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Steps
-from hav_env.policies.interface import allocate_memory, check_models, decide, evaded_by
+from hav_env.policies.interface import check_models
 from hav_env.vehicles import OnAxle
-from hav_env.world.arrays import (
-    ARTICULATION,
-    FOOTPRINT,
-    HIT_STEP,
-    NEVER,
-    PHASE,
-    STEP,
-    is_removed,
-)
+from hav_env.world.arrays import ARTICULATION, FOOTPRINT, HIT_STEP
 from hav_env.world.chain import axles_of
 
 
@@ -81,44 +74,10 @@ def record_trajectory(
     check_value("every", Steps, every)
     batch = Batch(scenario, 1, task, vehicle)
     batch.reset(seed, np.array([episode]))
-    state, fleet, record = batch.worlds.state, batch.worlds.fleet, batch.worlds.record
-    memory = allocate_memory(policy, len(state.x), 1)
-    rows, place = [], np.zeros((2, *state.x.shape))
-
-    def keep(speed: np.ndarray, steering: np.ndarray, evaded: np.ndarray) -> None:
-        removed = is_removed(batch.worlds, slice(None), slice(None))
-        phase = state.goal[:, PHASE].astype(np.int64)
-        now = (phase, *place, state.heading, state.waiting, removed, speed, steering, evaded)
-        rows.append([state.clock[STEP, 0], *(values[..., 0].copy() for values in now)])
-
-    def note_places() -> None:
-        present = ~is_removed(batch.worlds, slice(None), slice(None))
-        np.copyto(place, [state.x, state.y], where=present)
-
-    note_places()
-    while not batch.ended[0]:
-        speed, steering = decide(policy, memory, batch)
-        if state.clock[STEP, 0] % every == 0:
-            # a HAV that waits is not asked, and its memory tells of an earlier state
-            keep(speed, steering, np.where(state.waiting, NEVER, evaded_by(policy, memory)))
-        batch.step(speed, steering)
-        note_places()
-    undecided = np.full(state.x.shape, np.nan)
-    keep(undecided, undecided, np.full(state.x.shape, NEVER))
-    step, phase, x, y, heading, waiting, removed, speed, steering, evaded = map(
-        np.array, zip(*rows, strict=True)
-    )
+    states = run_and_record(policy, batch, every)
+    fleet, record = batch.worlds.fleet, batch.worlds.record
     return Trajectory(
-        step=step,
-        x=x,
-        y=y,
-        heading=heading,
-        waiting=waiting,
-        removed=removed,
-        phase=phase,
-        speed=speed,
-        steering=steering,
-        evaded=evaded,
+        **states._asdict(),
         num_trailers=fleet.num_trailers[:, 0].copy(),
         length=fleet.length[:, :, 0].copy(),
         footprint=fleet.radius[:, FOOTPRINT, 0].copy(),

@@ -242,13 +242,25 @@ def joint_weights(policy: Any, cosine: np.ndarray) -> np.ndarray:
     return 1.0 + np.tanh(0.5 - 2.0 * cosine)
 
 
-@functools.singledispatch
-def evaded_by(policy: Any, memory: np.ndarray) -> np.ndarray:
-    """Return (N, W) which HAV each HAV evades, as ``memory`` tells; NEVER for none.
+@generic
+def evaded(policy: Any, memory: np.ndarray, agent: int, lane: int) -> int:
+    """Return which HAV a HAV evades, as its memory tells; NEVER for none.
 
     Registered by policies that evade one HAV at a time and remember which.
+
+    Args:
+        policy: the parameters; their type selects the kernel.
+        memory: (N, K, W) of the policy.
+        agent: number of the HAV.
+        lane: which world.
     """
-    return np.full((memory.shape[0], memory.shape[2]), NEVER)
+    return NEVER
+
+
+@evaded.otherwise
+def evade_nobody(policy, memory, agent, lane):
+    """Tell that nobody is evaded."""
+    return NEVER
 
 
 def decide(

@@ -9,7 +9,7 @@ from shapely import LineString, Point
 from hav_env import Reward, explicit, parallel_env
 from hav_env.maths.dubins import path_length
 from hav_env.mdp.decision_process import DecisionProcess
-from hav_env.world.arrays import ACTUAL, ARTICULATION, JACKKNIFE, STABLE, STEERING, WHEN
+from hav_env.world.arrays import ACTUAL, ARTICULATION, JACKKNIFE, PHASE, STABLE, STEERING, WHEN
 from tests.support.budgets import budget
 from tests.support.policies import Watched
 from tests.support.worlds import limit, put, side_by_side, wrapped
@@ -61,7 +61,7 @@ class Referee:
         worlds = self.worlds
         first, state = worlds.record.first, worlds.state
         self.waited = state.waiting.copy()
-        self.hits = state.clock[1] + state.waiting
+        self.hits = state.goal[:, PHASE] + state.waiting
         self.left = left(worlds)
         self.harmed = (first[:, [JACKKNIFE, ACTUAL], WHEN] >= 0).astype(float)
 

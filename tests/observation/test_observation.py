@@ -11,7 +11,7 @@ from hav_env.maths.dubins import shortest_path, turns
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.observation import list_columns, name_columns
 from hav_env.observation.columns import scale_distance, scale_length
-from hav_env.world.arrays import ARTICULATION, SPEED, STEERING
+from hav_env.world.arrays import ARTICULATION, PHASE, SPEED, STEERING
 from tests.support.budgets import budget
 from tests.support.worlds import wrapped
 
@@ -108,7 +108,7 @@ class Witness:
         approach = goal - self.lengths(agent)[0] * away
         columns = {
             "waits": float(waits),
-            "goals_left": (self.num_goals - state.clock[1, w] - waits) / self.num_goals,
+            "goals_left": (self.num_goals - state.goal[agent, PHASE, w] - waits) / self.num_goals,
             "speed_max": min(limit[SPEED] / 10.0, 1.0),
             "steering_max": limit[STEERING] / (math.pi / 2),
             "articulation_max": limit[ARTICULATION] / math.pi,
