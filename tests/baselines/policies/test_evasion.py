@@ -186,6 +186,12 @@ def test_at_the_same_place_every_decision_is_a_number(clipped, from_center):
 OPPOSITE = pytest.param(0.0, 1, marks=pytest.mark.xfail(strict=True, reason="it is cut to -0.0"))
 
 
+@pytest.mark.parametrize(("left", "side"), [(-1e-9, 1), (0.0, 1), (1e-9, -1)])
+def test_who_has_to_turn_back_uncut_turns_to_the_nearer_side_or_left(left, side):
+    one, other = ([3.0, 4.0, 5.0], 0.0, 0.0, np.zeros(3)), ([3.0, 6.0], 10.0, left, np.zeros(2))
+    assert decided(AvoidJack(), [[one, other]])[0][0, 0] == pytest.approx(side * STEEPEST)
+
+
 @pytest.mark.parametrize("from_center", [False, True])
 @pytest.mark.parametrize(("left", "side"), [(-1e-9, 1), OPPOSITE, (1e-9, -1)])
 def test_who_has_to_turn_back_turns_to_the_nearer_side_or_left(left, side, from_center):
