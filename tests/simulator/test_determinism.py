@@ -141,6 +141,11 @@ for policy in (AvoidJack(), DubinsPursuit(), Random()):
     for num_havs, episodes, steps in ((1, 3, 400), (2, 2, 400), (20, 1, 30)):
         scenario, task = RandomPoses(num_havs=num_havs), Task(max_steps=steps)
         print(repr(rollout(policy, scenario, 21, np.arange(episodes), task).to_pydict()))
+other = AvoidJack(evasion_truck_share=0.5, evasion_center=0.5, evasion_clipped=True)
+task = Task(max_steps=150, order="in_turn", record_every=4, potential_center=0.5)
+for policy in (other, other._replace(evasion_from_center=True)):
+    table = rollout(policy, RandomPoses(num_havs=3), 21, np.arange(2), task)
+    print(repr(table.to_pydict()))
 """
 
 
