@@ -30,7 +30,7 @@ from baselines.evaluation.executors import open_engine
 from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
 from baselines.storage.atomic_files import write_text
 from baselines.storage.locks import sole_user
-from hav_env import Explicit, find_scenario
+from hav_env import Explicit, RandomFleet, Task, find_scenario
 from hav_env.cli.errors import report_errors
 from hav_env.evaluation.comparison import compare, read_columns
 from hav_env.models.text import visible
@@ -40,14 +40,14 @@ from hav_env.vehicles import VEHICLES
 _MENU = {
     "reproduce": "the paper's 9,000 experiments beside its figures: table, report, plots",
     "evaluate": "policies on a scenario: one table, differences on the same episodes",
-    "calibrate": "the effect of every choice that the paper leaves open",
+    "calibrate": "readings of the paper, and each choice that it leaves open, beside its figures",
     "watch": "one episode in a window, as a film (mp4, gif) or as a page to replay (html)",
 }
 # what is read before tyro sees the rest
 _NAMES = {
-    "reproduce": "[--policy NAME] [--vehicle NAME]",
+    "reproduce": "[--reading NAME] [--policy NAME] [--vehicle NAME]",
     "evaluate": "POLICY ... [--scenario NAME|FILE.json] [--vehicle NAME]",
-    "calibrate": "",
+    "calibrate": "[--search]",
     "watch": "POLICY|RUN.npz [--scenario NAME|FILE.json] [--vehicle NAME]",
 }
 
@@ -80,31 +80,44 @@ def _dispatch(arguments: list[str]) -> None:
 
 
 def _reproduce(arguments: list[str]) -> None:
-    from baselines.experiments.reproduce import PAPER_EXPERIMENTS, reproduce  # noqa: PLC0415
+    from baselines.experiments.published import PAPER_EXPERIMENTS  # noqa: PLC0415
+    from baselines.experiments.readings import READINGS, TEXT, find_reading  # noqa: PLC0415
+    from baselines.experiments.reproduce import reproduce  # noqa: PLC0415
 
+    chosen, arguments = take_option(arguments, "--reading", TEXT.name)
+    reading = find_reading(chosen)
     name, arguments = take_option(arguments, "--policy", "avoid_jack")
-    vehicle, arguments = _take_vehicle(arguments)
-    make = POLICIES.find(name)
+    vehicle, arguments = take_option(arguments, "--vehicle", "")
+    made = POLICIES.make(name)
+    policy = reading.policy if type(made) is type(reading.policy) else made
+    shown = [("policy", type(policy), policy)] if policy_fields([POLICIES.find(name)]) else []
     options = _parse(
         "reproduce",
         arguments,
         [
-            *policy_fields([make]),
             ("experiments", int, PAPER_EXPERIMENTS, "Experiments of each scenario."),
-            vehicle_field(vehicle),
+            *shown,
+            ("fleet", RandomFleet, reading.fleet),
+            ("task", Task, reading.task),
+            vehicle_field(VEHICLES.make(vehicle) if vehicle else reading.vehicle),
         ],
-        Run(pathlib.Path("results/reproduce")),
+        Run(pathlib.Path(f"results/reproduce{'' if reading == TEXT else f'-{chosen}'}")),
+        f" Readings: {', '.join(READINGS)}.",
     )
     rows = reproduce(
-        getattr(options, "policy", None) or POLICIES.make(make),
+        reading._replace(
+            policy=getattr(options, "policy", policy),
+            fleet=options.fleet,
+            task=options.task,
+            vehicle=options.vehicle,
+        ),
         options.experiments,
         options.seed,
         options.output,
         options.threads,
         options.overwrite,
-        options.vehicle,
     )
-    _show(rows, f"{name} beside the paper")
+    _show(rows, f"{name} beside the paper, reading {chosen}")
     print(f"report, tables and figures: {visible(str(options.output))}/report.md")
 
 
@@ -149,17 +162,29 @@ def _evaluate(arguments: list[str]) -> None:
 def _calibrate(arguments: list[str]) -> None:
     from baselines.experiments.calibrate import calibrate  # noqa: PLC0415
 
+    if "--search" in arguments:
+        _search([word for word in arguments if word != "--search"])
+        return
     options = _parse(
         "calibrate",
         arguments,
-        [("experiments", int, 1_000, "Experiments of each scenario and choice.")],
+        [("experiments", int, 1_000, "Experiments of each scenario and row.")],
         Run(pathlib.Path("results/calibrate")),
     )
     rows = calibrate(
         options.experiments, options.seed, options.output, options.threads, options.overwrite
     )
-    _show(rows, f"{options.experiments} experiments of each scenario and choice")
+    _show(rows, f"{options.experiments} experiments of each scenario and row")
     print(f"table: {visible(str(options.output))}/calibration.parquet")
+
+
+def _search(arguments: list[str]) -> None:
+    from baselines.experiments.search import FITTING_SEED, search, show_found  # noqa: PLC0415
+
+    options = _parse("calibrate", arguments, [], Run(pathlib.Path("results/search"), FITTING_SEED))
+    found = search(options.seed, options.output, options.threads, options.overwrite)
+    _show(show_found(found), f"{len({one.reading.name for one in found}):,} readings tried")
+    print(f"table: {visible(str(options.output))}/search.parquet")
 
 
 def _watch(arguments: list[str]) -> None:
@@ -217,9 +242,11 @@ def _take_vehicle(arguments: list[str]) -> tuple[Any, list[str]]:
     return VEHICLES.make(name), arguments
 
 
-def _parse(command: str, arguments: list[str], fields: list[tuple], common: Any) -> Any:
+def _parse(
+    command: str, arguments: list[str], fields: list[tuple], common: Any, more: str = ""
+) -> Any:
     usage = f"python -m baselines {command} {_NAMES[command]}".rstrip()
-    return read_options(usage, _MENU[command], arguments, fields, common)
+    return read_options(usage, f"{_MENU[command]}.{more}", arguments, fields, common)
 
 
 def _show(rows: list[list[str]], title: str) -> None:

@@ -17,7 +17,7 @@ from baselines.cli.markup import file_names, markdown
 from baselines.cli.progress import Progress
 from baselines.evaluation.run_parts import write_table
 from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
-from baselines.experiments.reproduce import PAPER_EXPERIMENTS
+from baselines.experiments.published import PAPER_EXPERIMENTS
 from baselines.policies.files import load_trained
 from baselines.policies.shipped import policy_file
 from baselines.replay.trajectory import record_trajectory

@@ -1,7 +1,6 @@
 """This module reproduces the paper's experiments, compares their figures, and draws them."""
 
 import pathlib
-from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -11,75 +10,43 @@ from baselines.cli.markup import code, markdown
 from baselines.cli.progress import Progress
 from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
 from baselines.experiments.paper_claims import fingerprints
-from baselines.policies.avoid_jack import AvoidJack
+from baselines.experiments.published import (
+    PAPER_EXPERIMENTS,
+    PAPER_SIZES,
+    PUBLISHED,
+    closeness,
+    measure_published,
+    published_interval,
+)
+from baselines.experiments.readings import TEXT, Reading, scenario_of_reading
 from baselines.storage.atomic_files import write_text
 from baselines.storage.locks import sole_user
-from hav_env import OnAxle
 from hav_env.evaluation.comparison import compare
-from hav_env.evaluation.figures import (
-    GOAL_HIT,
-    Figure,
-    figure_of_event,
-    figure_of_goal,
-    measure,
-)
-from hav_env.evaluation.statistics import proportions_agree, wilson
-from hav_env.scenarios.presets import SCENARIOS
-from hav_env.world.arrays import ACTUAL, JACKKNIFE, POTENTIAL
-from hav_env.world.event_table import EVENTS
+from hav_env.evaluation.statistics import proportions_agree
 
-
-class Published(NamedTuple):
-    """One figure of the paper, section VI: how many of how many HAVs."""
-
-    scenario: str
-    figure: Figure
-    name: str
-    """As the paper calls it."""
-    events: int
-    size: int
-
-
-_FIRST_GOAL, _SECOND_GOAL = (figure_of_goal(GOAL_HIT, goal) for goal in (1, 2))
-_JACKKNIFES, _CIRCLES_MET, _COLLISIONS = (
-    figure_of_event(EVENTS[row]) for row in (JACKKNIFE, POTENTIAL, ACTUAL)
-)
-PUBLISHED = (
-    Published("single", _JACKKNIFES, "jackknifed", 7, 4500),
-    Published("single", _FIRST_GOAL, "first goal", 3904, 4500),
-    Published("single", _SECOND_GOAL, "second goal", 3754, 4500),
-    Published("pair", _JACKKNIFES, "jackknifed", 95, 9000),
-    Published("pair", _FIRST_GOAL, "first goal", 7142, 9000),
-    Published("pair", _SECOND_GOAL, "second goal", 5856, 9000),
-    Published("pair", _CIRCLES_MET, "potential collision", 8516, 9000),
-    Published("pair", _COLLISIONS, "actual collision", 26, 9000),
-)
-
-PAPER_EXPERIMENTS = 4_500  # of each scenario
+CHI2_LIMIT = 15.5  # of eight figures: a true reading stays below it in 95 %
 
 
 def reproduce(
-    policy=AvoidJack(),
+    reading: Reading = TEXT,
     experiments: int = PAPER_EXPERIMENTS,
     seed: int = 0,
     output: pathlib.Path = pathlib.Path("results/reproduce"),
     threads: int | None = None,
     overwrite: bool = False,
-    vehicle=OnAxle(),
 ) -> list[list[str]]:
-    """Run the paper's experiments with a policy and report them.
+    """Run the paper's experiments in a reading of the paper and report them.
 
     Writes into the output folder single.parquet and pair.parquet (one row per HAV and experiment),
     report.md and the figures. Interrupted, it goes on where it stopped.
 
     Args:
-        policy: drives every HAV.
+        reading: policy, fleet, rules and kinematics.
         experiments: how many with a single HAV, and as many with two.
         seed: of all of them; the same seed gives the same files.
         output: the folder.
         threads: how many; by default ``HAV_THREADS`` or all cores.
         overwrite: discard what an earlier run left in the folder.
-        vehicle: the kinematics.
 
     Returns:
         The table beside the paper's, as rows of text.
@@ -88,10 +55,7 @@ def reproduce(
         ValueError: when a parameter is not allowed, or the folder holds another run.
         OSError: when the folder cannot be written.
     """
-    jobs = {
-        name: Experiments(policy, SCENARIOS[f"paper-{name}"], experiments, seed, vehicle=vehicle)
-        for name in ("single", "pair")
-    }
+    jobs = {size: job_of(reading, size, experiments, seed) for size in PAPER_SIZES}
     for job in jobs.values():
         check_experiments(job, threads, "experiments")
     with sole_user(output):
@@ -99,27 +63,36 @@ def reproduce(
             how = threads, overwrite, progress.advance
             paths = {name: run_experiments(job, output, name, *how) for name, job in jobs.items()}
         tables = {name: pq.read_table(path) for name, path in paths.items()}
-        rows = beside_paper(tables["single"], tables["pair"])
-        drawn = _draw(tables, output, policy, seed, vehicle)
-        write_text(_report(policy, experiments, seed, rows, tables, drawn), output / "report.md")
+        rows = beside_paper(tables, reading)
+        drawn = _draw(tables, output, reading, seed)
+        write_text(_report(reading, experiments, seed, rows, tables, drawn), output / "report.md")
     return rows
 
 
-def beside_paper(single: pa.Table, pair: pa.Table) -> list[list[str]]:
-    """Return the published figures beside the measured ones, with 95 % Wilson intervals.
-
-    Intervals are clustered by experiment. The paper gives counts of HAVs only, so its intervals
-    have the design effect that is measured here: the best estimate that there is.
+def job_of(reading: Reading, size: str, experiments: int, seed: int) -> Experiments:
+    """Return the experiments of a reading.
 
     Args:
-        single: table of the experiments with one HAV.
-        pair: table of those with two.
+        reading: policy, fleet, rules and kinematics.
+        size: "single" or "pair".
+        experiments: number of episodes.
+        seed: of the episodes.
     """
-    tables = {"single": single, "pair": pair}
+    scenario = scenario_of_reading(reading, size)
+    return Experiments(reading.policy, scenario, experiments, seed, reading.task, reading.vehicle)
+
+
+def beside_paper(tables: dict[str, pa.Table], reading: Reading = TEXT) -> list[list[str]]:
+    """Return the published figures beside the measured ones, with 95 % intervals, and chi2.
+
+    Args:
+        tables: by size, "single" and "pair".
+        reading: that was run.
+    """
     rows = [["scenario", "figure", "paper", "here", "difference", "agree"]]
     for published in PUBLISHED:
-        here = measure(tables[published.scenario], published.figure)
-        paper = wilson(published.events, published.size, here.design_effect)
+        here = measure_published(tables[published.scenario], published, reading.jackknifed)
+        paper = published_interval(published, here)
         rows.append(
             [
                 published.scenario,
@@ -130,44 +103,57 @@ def beside_paper(single: pa.Table, pair: pa.Table) -> list[list[str]]:
                 "yes" if proportions_agree(here, paper) else "no",
             ]
         )
+    chi2 = closeness(tables, reading.jackknifed).chi2
+    agrees = "yes" if chi2 < CHI2_LIMIT else "no"
+    rows.append(["both", "chi2 of all eight", f"below {CHI2_LIMIT}", f"{chi2:.1f}", "", agrees])
     return rows
 
 
 def _draw(
-    tables: dict[str, pa.Table], output: pathlib.Path, policy, seed: int, vehicle
+    tables: dict[str, pa.Table], output: pathlib.Path, reading: Reading, seed: int
 ) -> list[str]:
     from baselines.figures.paper import draw_all  # noqa: PLC0415  # matplotlib is an extra
 
-    scenarios = SCENARIOS["paper-single"], SCENARIOS["paper-pair"]
     return draw_all(
-        tables["single"], tables["pair"], output, policy, *scenarios, seed, vehicle=vehicle
+        tables["single"],
+        tables["pair"],
+        output,
+        reading.policy,
+        scenario_of_reading(reading, "single"),
+        scenario_of_reading(reading, "pair"),
+        seed,
+        reading.task,
+        reading.vehicle,
     )
 
 
-def _show(policy) -> str:
-    """Return a policy with its parameters; of arrays only how many numbers they hold."""
+def _show(model) -> str:
+    """Return a model with its parameters; of arrays only how many numbers they hold."""
     told = [
         f"{field}={f'{value.size} numbers' if isinstance(value, np.ndarray) else repr(value)}"
-        for field, value in policy._asdict().items()
+        for field, value in model._asdict().items()
     ]
-    return f"{type(policy).__name__}({', '.join(told)})"
+    return f"{type(model).__name__}({', '.join(told)})"
 
 
 def _report(
-    policy,
+    reading: Reading,
     experiments: int,
     seed: int,
     rows: list[list[str]],
     tables: dict[str, pa.Table],
     drawn: list[str],
 ) -> str:
-    name = type(policy).__name__
+    policy, name = reading.policy, type(reading.policy).__name__
     parts = [
         f"# {name} in the paper's experiments\n",
-        f"{experiments} experiments with one HAV and {experiments} with two, seed {seed}, policy"
-        f" {code(_show(policy))}.\n\n"
+        f"{experiments} experiments with one HAV and {experiments} with two, seed {seed}, reading"
+        f" {code(reading.name)}: {reading.told}.\n\n"
+        f"Policy {code(_show(policy))}, fleet {code(_show(reading.fleet))}, rules"
+        f" {code(_show(reading.task))}, kinematics {code(_show(reading.vehicle))}.\n\n"
         '"agree": the 95 % interval of the difference (Newcombe, from the Wilson intervals shown in'
-        " brackets) contains zero.\n",
+        " brackets) contains zero. Experiments are the units: the two HAVs of a pair depend on each"
+        " other. chi2 is the sum of the squared standardized differences.\n",
         markdown(rows),
     ]
     for scenario, table in tables.items():

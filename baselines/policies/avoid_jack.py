@@ -62,13 +62,15 @@ class AvoidJack(NamedTuple):
     says nothing of it; rounding makes some threshold necessary."""
     evasion_truck_share: Factor = 0.0
     """A HAV evades when the distance of the trucks falls below the collision distance d_ih plus
-    this share of both trucks' lengths. The paper names d_ih alone."""
+    this share of both trucks' lengths. The paper names d_ih alone. A HAV out of sensing range is
+    not evaded: a wide circle may need a larger ``Task.sensing_range``."""
     evasion_center: Share = 0.0
     """Which points of both trucks that distance is between: this share of the truck's length ahead
     of its rear axle. The text says the rear axle (0); 0.5, the truck's centre, with half of the
     truck's length in the distance makes circles that hold the whole HAV."""
     evasion_from_center: bool = False
-    """Evade away from that point of the other truck instead of from its rear axle."""
+    """Evade from that point of the other truck to the same one of the own truck, instead of from
+    rear axle to rear axle."""
     evasion_clipped: bool = False
     """Cut the direction of evasion to the steering limit before the jackknife repulsion is added;
     goal attraction is within the limit by itself. The text cuts the sum alone."""
@@ -160,7 +162,7 @@ def _evade(policy, memory, world, agent, lane):
         ahead, aside = -forward / distance, -left / distance
         cosine, sine = steering_direction(world, agent, lane)
         if policy.evasion_clipped and ahead < cosine:
-            ahead, aside = cosine, math.copysign(sine, aside)
+            ahead, aside = cosine, sine if aside >= 0.0 else -sine
         memory[agent, VECTOR_FORWARD, lane] = ahead
         memory[agent, VECTOR_LEFT, lane] = aside
 

@@ -102,7 +102,9 @@ def record_collisions(task, world):
         How many pairs of HAVs may have collided for the first time.
     """
     num_havs, all_news = world.state.x.shape[0], 0
-    if num_havs <= FEW:
+    # wider circles than the text's may meet out of sensing range
+    widened = task.potential_center > 0.0 or task.potential_truck_share > 0.0
+    if num_havs <= FEW or widened:
         for agent in range(num_havs):
             for other in range(agent + 1, num_havs):
                 news = 0

@@ -44,7 +44,6 @@ def test_the_first_potential_collision_is_that_of_these_circles(policy, num_havs
     compare_with_brute_force(policy, *of(num_havs))
 
 
-@pytest.mark.xfail(strict=True, reason="above 16 HAVs, who is out of sensing range is overlooked")
 def test_wide_circles_need_no_sensing_range_in_large_swarms():
     scenario, episodes, task = of(20)
     compare_with_brute_force(DubinsPursuit(), scenario, episodes, task._replace(sensing_range=0.0))

@@ -1,6 +1,5 @@
 """The commands: what they write, that they resume, and what they say about bad input."""
 
-import functools
 import json
 import os
 import signal
@@ -15,8 +14,6 @@ import pytest
 from baselines.__main__ import main
 from baselines.evaluation import runs as results
 from baselines.evaluation.runs import Experiments, run_experiments
-from baselines.experiments import calibrate, reproduce
-from baselines.figures import paper as figures
 from baselines.policies.avoid_jack import AvoidJack
 from hav_env import RandomPoses, Task
 from hav_env.policies.names import POLICIES
@@ -199,6 +196,7 @@ def test_results_without_a_description_are_not_taken_for_ones_own(tmp_path, caps
         (["evaluate", "random", "--scenario", "none.json"], "no scenario file none.json"),
         (["reproduce", "--policy", "nobody"], "unknown policy 'nobody'"),
         (["reproduce", "--experiments", "0"], "experiments is 0"),
+        (["reproduce", "--reading", "nobodys"], "reading is 'nobodys', but must be one of text"),
         (["calibrate", "--experiments", "0"], "experiments is 0"),
     ],
 )
@@ -245,26 +243,16 @@ def test_an_unwritable_folder_is_named(tmp_path, capsys):
     assert "file" in err.splitlines()[-1]
 
 
-@pytest.fixture
-def short_experiments(monkeypatch):
-    """Whole episodes take minutes without compilation."""
-    if not COMPILED:
-        short = {"task": Task(max_steps=10)}
-        for module, name in (
-            (calibrate, "Experiments"),
-            (reproduce, "Experiments"),
-            (figures, "draw_all"),
-        ):
-            monkeypatch.setattr(module, name, functools.partial(getattr(module, name), **short))
+# whole episodes take minutes without compilation
+SHORT_EPISODES = [] if COMPILED else ["--task.max-steps", 10]
 
 
-@pytest.mark.usefixtures("short_experiments")
 def test_reproduce_writes_tables_report_and_figures_twice_the_same(tmp_path, capsys):
     folders = [tmp_path / name for name in ("one", "two")]
     for folder, threads in zip(folders, (1, 2), strict=True):
         code, out, _ = run(
             capsys, "reproduce", "--experiments", budget(6, 2), "--seed", 3, "--output", folder,
-            "--threads", threads,
+            "--threads", threads, *SHORT_EPISODES,
         )  # fmt: skip
         assert code == 0
         assert "86.76 %" in out  # the paper's
@@ -274,19 +262,6 @@ def test_reproduce_writes_tables_report_and_figures_twice_the_same(tmp_path, cap
     assert any(name.startswith("trajectory_") for name in names)
     for name in names:
         assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes(), name
-
-
-@pytest.mark.usefixtures("short_experiments")
-def test_calibrate_measures_every_choice(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(calibrate, "CHOICES", calibrate.CHOICES[1:2])
-    code, out, _ = run(capsys, "calibrate", "--experiments", 1, "--output", tmp_path)
-    table = pq.read_table(tmp_path / "calibration.parquet")
-    assert code == 0
-    assert "published" in out
-    assert table["choice"].to_pylist() == ["steering_max 35 deg"]
-    assert 0.0 <= table["pair_goal_1_hit"][0].as_py() <= table["pair_goal_1_hit_high"][0].as_py()
-    described = json.loads((tmp_path / "choices/00-pair.json").read_text())
-    assert np.isclose(np.degrees(described["scenario"]["fleet"]["steering_max"]), 35)
 
 
 def test_defaults_are_the_papers():

@@ -1,0 +1,114 @@
+"""This module has the paper's published figures, and says how near measured ones come to them."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyarrow as pa
+
+from hav_env.evaluation.figures import GOAL_HIT, Figure, figure_of_event, figure_of_goal, measure
+from hav_env.evaluation.statistics import Interval, standardized_difference, wilson
+from hav_env.world.arrays import ACTUAL, JACKKNIFE, POTENTIAL
+from hav_env.world.event_table import EVENTS
+
+PAPER_EXPERIMENTS = 4_500  # of each size
+PAPER_SIZES = ("single", "pair")  # experiments with one HAV, and with two
+_FEW_TRAILERS = 4  # of a jackknifed pair none had fewer
+
+
+class Published(NamedTuple):
+    """One figure of the paper, section VI: how many of how many HAVs."""
+
+    scenario: str
+    figure: Figure
+    name: str
+    """As the paper calls it."""
+    events: int
+    size: int
+
+    @property
+    def key(self) -> str:
+        """The name of the figure in tables."""
+        return f"{self.scenario} {self.name}"
+
+
+JACKKNIFE_FIGURE, _CIRCLES_MET, _COLLISIONS = (
+    figure_of_event(EVENTS[row]) for row in (JACKKNIFE, POTENTIAL, ACTUAL)
+)
+_FIRST_GOAL, _SECOND_GOAL = (figure_of_goal(GOAL_HIT, goal) for goal in (1, 2))
+PUBLISHED = (
+    Published("single", JACKKNIFE_FIGURE, "jackknifed", 7, 4500),
+    Published("single", _FIRST_GOAL, "first goal", 3904, 4500),
+    Published("single", _SECOND_GOAL, "second goal", 3754, 4500),
+    Published("pair", JACKKNIFE_FIGURE, "jackknifed", 95, 9000),
+    Published("pair", _FIRST_GOAL, "first goal", 7142, 9000),
+    Published("pair", _SECOND_GOAL, "second goal", 5856, 9000),
+    Published("pair", _CIRCLES_MET, "potential collision", 8516, 9000),
+    Published("pair", _COLLISIONS, "actual collision", 26, 9000),
+)
+
+
+def published_interval(published: Published, here: Interval) -> Interval:
+    """Return a published share with its interval.
+
+    The paper counts HAVs. How much the two of a pair depend on each other is taken from here.
+    """
+    return wilson(published.events, published.size, here.design_effect)
+
+
+class Closeness(NamedTuple):
+    """How near measured figures come to the published ones."""
+
+    shares: dict[str, float]
+    """Of each figure, by ``Published.key``."""
+    deviations: dict[str, float]
+    """Standardized differences z of the same, experiments as units."""
+    few: float
+    """-2 ln of the likelihood that none of the 95 jackknifed HAVs of pairs has fewer than four
+    trailers, as the paper says; 0 without pairs."""
+
+    @property
+    def chi2(self) -> float:
+        """Sum of z^2; of a true reading about the number of figures."""
+        return sum(z * z for z in self.deviations.values())
+
+    @property
+    def score(self) -> float:
+        """What a search makes least: the figures and that sentence together."""
+        return self.chi2 + self.few
+
+    def plain(self) -> list[Any]:
+        """Return it as JSON; ``Closeness(*plain)`` is it again."""
+        return [self.shares, self.deviations, self.few]
+
+
+def closeness(tables: dict[str, pa.Table], jackknifed: Figure = JACKKNIFE_FIGURE) -> Closeness:
+    """Return how near the tables of experiments come to the published figures.
+
+    Args:
+        tables: by size, "single" and "pair" or one of them; columns as in docs/metrics.md.
+        jackknifed: the figure that counts as jackknifed.
+    """
+    shares, deviations = {}, {}
+    for published in PUBLISHED:
+        if published.scenario in tables:
+            here = measure_published(tables[published.scenario], published, jackknifed)
+            shares[published.key] = here.value
+            theirs = published_interval(published, here)
+            deviations[published.key] = standardized_difference(here, theirs)
+    few = _few_trailers(tables["pair"], jackknifed) if "pair" in tables else 0.0
+    return Closeness(shares, deviations, few)
+
+
+def measure_published(table: pa.Table, published: Published, jackknifed: Figure) -> Interval:
+    """Return a measured figure, given which one counts as jackknifed."""
+    return measure(table, jackknifed if published.figure == JACKKNIFE_FIGURE else published.figure)
+
+
+def _few_trailers(pair: pa.Table, jackknifed: Figure) -> float:
+    hit = pair[jackknifed.column].to_numpy(zero_copy_only=False).astype(bool)
+    few = np.sum(hit & (pair["num_trailers"].to_numpy() < _FEW_TRAILERS))
+    # half an observation beside those counted: no jackknife at all must not be a proof
+    share = (few + 0.5) / (np.sum(hit) + 1.0)
+    events = next(p.events for p in PUBLISHED if p.key == "pair jackknifed")
+    return -2.0 * events * math.log1p(-share)
