@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 _Z = 1.959963984540054  # 95 %, two-sided
+_COLLIDING = 2.0  # HAVs that share a collision
 
 
 class Interval(NamedTuple):
@@ -54,9 +55,9 @@ def design_effect(values: np.ndarray, episodes: np.ndarray) -> float:
     - Below 1 it is clipped at 1. The estimate scatters around 1 where HAVs are independent, and an
       interval must not be narrower by chance. HAVs that exclude each other's success are rare, and
       then the interval is somewhat too wide.
-    - Values that are all equal, or a single episode, do not tell it. Then it has its largest
-      expected value, ``sum_k size_k^2 / size``: all HAVs of an episode fare alike. This is the
-      number of HAVs of an episode if all episodes have as many. It is safe, and wide for swarms.
+    - Values that are all equal do not tell it. Then it is 2, the number of HAVs that share a
+      collision, or less where episodes have fewer. It does not cover what stops a whole swarm.
+    - A single episode is one observation.
 
     Args:
         values: (R,) values of HAVs, all finite; 0 or 1 for shares.
@@ -65,8 +66,10 @@ def design_effect(values: np.ndarray, episodes: np.ndarray) -> float:
     _, group, sizes = np.unique(episodes, return_inverse=True, return_counts=True)
     if sizes.max(initial=1) == 1:
         return 1.0
-    if sizes.size == 1 or values.min() == values.max():
-        return float(np.sum(sizes * sizes) / values.size)
+    if sizes.size == 1:
+        return float(values.size)
+    if values.min() == values.max():
+        return min(float(np.sum(sizes * sizes) / values.size), _COLLIDING)
     deviation = values - values.mean()
     totals = np.bincount(group, weights=deviation)
     effect = np.sum(totals * totals) / np.sum(deviation * deviation)

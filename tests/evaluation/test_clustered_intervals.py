@@ -132,13 +132,15 @@ def test_havs_that_exclude_each_other_do_not_narrow_the_interval():
 
 
 @pytest.mark.parametrize("value", [0.0, 1.0])
-def test_shares_of_none_and_of_all_count_an_episode_once(value):
+def test_shares_of_none_and_of_all_count_two_havs_as_one(value):
     even = proportion(np.full(60, value), np.repeat(np.arange(30), 2))
     assert even[:3] == pytest.approx(wilson(30 * int(value), 30)[:3])
     assert even.size == 60
-    sizes = np.array([1, 2, 5])
-    odd = proportion(np.full(8, value), np.repeat(np.arange(3), sizes))
-    assert odd.design_effect == pytest.approx((1 + 4 + 25) / 8)
+    sizes = np.array([1, 1, 2])
+    odd = proportion(np.full(4, value), np.repeat(np.arange(3), sizes))
+    assert odd.design_effect == pytest.approx((1 + 1 + 4) / 4)
+    swarms = proportion(np.full(400, value), np.repeat(np.arange(2), 200))
+    assert swarms[:3] == pytest.approx(wilson(200 * int(value), 200)[:3])
 
 
 def test_one_episode_is_one_observation_and_none_is_none():
