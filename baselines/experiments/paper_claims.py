@@ -1,11 +1,15 @@
 """This module measures claims of the paper about its experiments in reproduced episodes."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
+from baselines.replay.trajectory import Trajectory
+from hav_env import Task
 from hav_env.evaluation.figures import goals_of
+from hav_env.world.arrays import NEVER
 
 
 def fingerprints(single: pa.Table, pair: pa.Table) -> list[list[str]]:
@@ -21,12 +25,38 @@ def fingerprints(single: pa.Table, pair: pa.Table) -> list[list[str]]:
         ("first goals hit at 0.3 to 0.5 m ('most')", _far_hits),
         ("share of heading close misses, steps, both goals (67 %, 68 %)", _heading_misses),
         ("the same, goals never hit only", _heading_misses_never_hit),
+        ("the same, HAVs that had such a miss instead of steps", _heading_misses_of_havs),
         ("HAVs in actual collision whose truck exceeds the footprint radius", _long_trucks),
         ("HAVs in actual collision from the start", _at_start),
         ("experiments in which no HAV hits its first goal", _none_arrives),
     )
     rows = [["", "single", "pair"]]
     return rows + [[name, measure(single), measure(pair)] for name, measure in measures]
+
+
+def evading_in_misses(trajectories: Iterable[Trajectory], task: Task) -> str:
+    """Return the share of states in a close miss in which the HAV evades, as text.
+
+    The paper says that collision avoidance was inactive during close misses.
+
+    Args:
+        trajectories: of whole episodes, every state.
+        task: the rules, for the tolerances.
+    """
+    evading = total = 0
+    for trajectory in trajectories:
+        havs = np.arange(trajectory.x.shape[1])
+        goal = trajectory.goals[havs, trajectory.phase]  # (T, N, 3)
+        distance = np.hypot(trajectory.x - goal[..., 0], trajectory.y - goal[..., 1])
+        turn = trajectory.heading[:, :, 0] - goal[..., 2]
+        turn = np.abs((turn + np.pi) % (2.0 * np.pi) - np.pi)
+        near, aligned = distance < task.distance_tolerance, turn < task.heading_tolerance
+        missed = near & ~aligned & (turn < 2.0 * task.heading_tolerance)
+        missed |= aligned & ~near & (distance < 2.0 * task.distance_tolerance)
+        missed &= ~trajectory.waiting
+        total += int(np.count_nonzero(missed))
+        evading += int(np.count_nonzero(missed & (trajectory.evaded != NEVER)))
+    return _share(evading, total)
 
 
 def _share(part: Any, whole: Any) -> str:
@@ -53,18 +83,25 @@ def _far_hits(table: pa.Table) -> str:
     return _share(np.sum(distance >= 0.3), np.isfinite(distance).sum())
 
 
-def _heading_misses(table: pa.Table, never_hit: bool = False) -> str:
+def _heading_misses(table: pa.Table, never_hit: bool = False, most: float = np.inf) -> str:
+    """Return the share of heading misses among close misses, each HAV's counted up to a number."""
     shares = []
     for goal in goals_of(table.column_names):
         kept = ~_column(table, f"goal_{goal}_hit").astype(bool) | (not never_hit)
-        heading = _column(table, f"goal_{goal}_heading_miss_steps")[kept].sum()
-        euclidean = _column(table, f"goal_{goal}_euclidean_miss_steps")[kept].sum()
+        heading, euclidean = (
+            np.minimum(_column(table, f"goal_{goal}_{kind}_miss_steps")[kept], most).sum()
+            for kind in ("heading", "euclidean")
+        )
         shares.append(_share(heading, heading + euclidean))
     return ", ".join(shares)
 
 
 def _heading_misses_never_hit(table: pa.Table) -> str:
     return _heading_misses(table, never_hit=True)
+
+
+def _heading_misses_of_havs(table: pa.Table) -> str:
+    return _heading_misses(table, most=1.0)
 
 
 def _long_trucks(table: pa.Table) -> str:

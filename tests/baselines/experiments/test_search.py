@@ -112,3 +112,11 @@ class _Counted:
 
     def advance(self, experiments, steps):
         self.done.append(experiments)
+
+
+def test_words_are_measured_for_confirmed_readings(small, tmp_path, monkeypatch):
+    monkeypatch.setattr(searching, "_RECORDED", 2)
+    rows = searching.compare_words(search(9, tmp_path, plan=PLAN))
+    assert rows[0] == ["", "reading 1, seed 10"]
+    assert all(len(row) == 2 for row in rows)
+    assert "evades" in rows[-1][0]
