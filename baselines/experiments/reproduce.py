@@ -1,6 +1,9 @@
 """This module reproduces the paper's experiments, compares their figures, and draws them."""
 
+import concurrent.futures
+import itertools
 import pathlib
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import pyarrow as pa
@@ -19,6 +22,7 @@ from baselines.experiments.published import (
     published_interval,
 )
 from baselines.experiments.readings import TEXT, Reading, scenario_of_reading
+from baselines.experiments.side_thread import side_thread
 from baselines.storage.atomic_files import write_text
 from baselines.storage.locks import sole_user
 from hav_env.evaluation.comparison import compare
@@ -45,7 +49,7 @@ def reproduce(
         experiments: how many with a single HAV, and as many with two.
         seed: of all of them; the same seed gives the same files.
         output: the folder.
-        threads: how many; by default ``HAV_THREADS`` or all cores.
+        threads: how many simulate; by default ``HAV_THREADS`` or all cores. One more draws.
         overwrite: discard what an earlier run left in the folder.
 
     Returns:
@@ -58,14 +62,17 @@ def reproduce(
     jobs = {size: job_of(reading, size, experiments, seed) for size in PAPER_SIZES}
     for job in jobs.values():
         check_experiments(job, threads, "experiments")
-    with sole_user(output):
+    tables: dict[str, pa.Table] = {}
+    drawn = []
+    with sole_user(output), side_thread("drawing") as submit:
         with Progress(2 * experiments) as progress:
-            how = threads, overwrite, progress.advance
-            paths = {name: run_experiments(job, output, name, *how) for name, job in jobs.items()}
-        tables = {name: pq.read_table(path) for name, path in paths.items()}
+            for name, job in jobs.items():
+                path = run_experiments(job, output, name, threads, overwrite, progress.advance)
+                tables[name] = pq.read_table(path)
+                drawn.append(submit(_draw(jobs, dict(tables), output, name)))
         rows = beside_paper(tables, reading)
-        drawn = _draw(tables, output, reading, seed)
-        write_text(_report(reading, experiments, seed, rows, tables, drawn), output / "report.md")
+        text = _report(reading, experiments, seed, rows, tables, _files(drawn))
+        write_text(text, output / "report.md")
     return rows
 
 
@@ -110,21 +117,24 @@ def beside_paper(tables: dict[str, pa.Table], reading: Reading = TEXT) -> list[l
 
 
 def _draw(
-    tables: dict[str, pa.Table], output: pathlib.Path, reading: Reading, seed: int
-) -> list[str]:
-    from baselines.figures.paper import draw_all  # noqa: PLC0415  # matplotlib is an extra
+    jobs: dict[str, Experiments], tables: dict[str, pa.Table], output: pathlib.Path, name: str
+) -> Iterator[list[str]]:
+    """Draw the figures for which the table of this name was missing."""
+    # matplotlib is an extra; it is imported beside the simulation
+    from baselines.figures.all_figures import draw_pair, draw_single  # noqa: PLC0415
 
-    return draw_all(
-        tables["single"],
-        tables["pair"],
-        output,
-        reading.policy,
-        scenario_of_reading(reading, "single"),
-        scenario_of_reading(reading, "pair"),
-        seed,
-        reading.task,
-        reading.vehicle,
-    )
+    if name == "single":
+        yield from draw_single(jobs[name], tables[name], output)
+    else:
+        yield from draw_pair(jobs[name], tables[name], tables["single"], output)
+
+
+def _files(drawn: list[concurrent.futures.Future[list[list[str]]]]) -> Iterator[str]:
+    """Give the names of the files that are drawn, as soon as all are."""
+    figures = [files for done in drawn for files in done.result()]
+    from baselines.figures.all_figures import in_order  # noqa: PLC0415  # matplotlib is an extra
+
+    yield from in_order(itertools.chain.from_iterable(figures))
 
 
 def _show(model) -> str:
@@ -142,7 +152,7 @@ def _report(
     seed: int,
     rows: list[list[str]],
     tables: dict[str, pa.Table],
-    drawn: list[str],
+    drawn: Iterable[str],
 ) -> str:
     policy, name = reading.policy, type(reading.policy).__name__
     parts = [

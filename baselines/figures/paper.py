@@ -1,14 +1,12 @@
-"""This module draws an evaluation: the paper's histograms, and representative episodes."""
+"""This module draws histograms of an evaluation as the paper does, and the jackknife weight."""
 
 import math
-import os
 from collections.abc import Sequence
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from baselines.figures.representative_episodes import choose_episodes, round_closest
 from baselines.figures.trajectory_plot import (
     BLUE,
     DARK,
@@ -18,27 +16,16 @@ from baselines.figures.trajectory_plot import (
     ORANGE,
     Axes,
     Figure,
-    draw_trajectory,
     new_figure,
-    save_figure,
     sheet,
 )
 from baselines.policies.avoid_jack import AvoidJack
-from baselines.replay.trajectory import record_trajectory
 from hav_env import Task
 from hav_env.evaluation.figures import goals_of
 from hav_env.policies.interface import joint_weights
-from hav_env.vehicles import OnAxle
 
 _GOAL_COLORS = (BLUE, ORANGE, GREEN)
 _MOST_WEIGHT = 2.0  # a sum of weights is rarely more in a close miss; the last bin holds the rest
-_TITLES = {
-    "hit": "Both goals hit",
-    "jackknife": "A jackknife",
-    "evasion": "Evasion",
-    "miss": "A close miss of the first goal",
-    "orbit": "A first goal never hit: the end of the episode",
-}
 _Sample = tuple[str, np.ndarray, str]  # name, values, colour
 
 
@@ -158,52 +145,6 @@ def draw_miss_histograms(table: pa.Table, task: Task = Task()) -> Figure:
     for panel, which in zip(axes[:, 0], ("all close misses", "goal never hit"), strict=True):
         panel.set(ylabel=f"{which}\nProbability per bin")
     return figure
-
-
-def draw_all(
-    single: pa.Table,
-    pair: pa.Table,
-    folder: str | os.PathLike,
-    policy,
-    scenario_single,
-    scenario_pair,
-    seed: int,
-    task: Task = Task(),
-    vehicle=OnAxle(),
-) -> list[str]:
-    """Draw everything into a folder; the same tables give the same bytes.
-
-    Args:
-        single: table of ``rollout`` with one HAV per episode.
-        pair: the same with two.
-        folder: made when it does not exist; files in it are replaced.
-        policy: policy of both tables; chosen episodes run again.
-        scenario_single: of the first table.
-        scenario_pair: of the second table.
-        seed: of the episodes.
-        task: the rules.
-        vehicle: the kinematics.
-
-    Returns:
-        The names of the files.
-    """
-    names = []
-    if isinstance(policy, AvoidJack):
-        names += save_figure(draw_jackknife_weight(policy), folder, "jackknife_weight")
-    for table, which in ((single, "single"), (pair, "pair")):
-        names += save_figure(draw_jackknife_histograms(table), folder, f"jackknife_{which}")
-        names += save_figure(draw_goal_histograms(table, task), folder, f"goals_{which}")
-        names += save_figure(draw_miss_histograms(table, task), folder, f"misses_{which}")
-    for kind, excerpt in choose_episodes(single, pair).items():
-        if excerpt is None:
-            continue
-        scenario = scenario_single if excerpt.num_havs == 1 else scenario_pair
-        trajectory = record_trajectory(policy, scenario, seed, excerpt.episode, task, vehicle)
-        part = excerpt if kind != "miss" else round_closest(trajectory, excerpt)
-        title = f"{_TITLES[kind]} (seed {seed}, episode {excerpt.episode})"
-        figure = draw_trajectory(trajectory, title, part, task=task)
-        names += save_figure(figure, folder, f"trajectory_{kind}")
-    return names
 
 
 def _panels(rows: int = 1) -> tuple[Figure, np.ndarray]:

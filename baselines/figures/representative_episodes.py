@@ -34,25 +34,41 @@ def round_closest(trajectory: Trajectory, excerpt: Excerpt) -> Excerpt:
     return excerpt._replace(first=max(moment - 300, 0), last=moment + 600, moment=moment)
 
 
-def choose_episodes(single: pa.Table, pair: pa.Table) -> dict[str, Excerpt | None]:
-    """Choose excerpts that show what happens, None for what does not occur in the tables.
+def choose_of_single(table: pa.Table) -> dict[str, Excerpt | None]:
+    """Choose excerpts of single HAVs' episodes, None for what does not occur in the table.
 
     Args:
-        single: table of one HAV per episode, with two goals.
-        pair: the same of two HAVs.
+        table: table of one HAV per episode, with two goals.
 
     Returns:
         hit: both goals hit, three to five trailers, detours near the median. jackknife: the first
-        one, and before it. evasion: a pair that evades and still hits its goals. miss: a first
-        goal missed most narrowly, after a close miss. orbit: a first goal missed as most are, at
-        the median distance; the last six turns of the circle R_min.
+        one, and before it. miss: a first goal missed most narrowly, after a close miss. orbit: a
+        first goal missed as most are, at the median distance; the last six turns of the circle
+        R_min.
     """
     return {
-        "hit": _choose_hit(single),
-        "jackknife": _choose_jackknife(single, 1) or _choose_jackknife(pair, 2),
-        "evasion": _choose_evasion(pair),
-        "miss": _choose_miss(single),
-        "orbit": _choose_orbit(single),
+        "hit": _choose_hit(table),
+        "jackknife": _choose_jackknife(table, 1),
+        "miss": _choose_miss(table),
+        "orbit": _choose_orbit(table),
+    }
+
+
+def choose_of_pair(table: pa.Table, single: pa.Table) -> dict[str, Excerpt | None]:
+    """Choose excerpts of pairs' episodes, None for what does not occur in the table.
+
+    Args:
+        table: table of two HAVs per episode, with two goals.
+        single: the same of one HAV.
+
+    Returns:
+        jackknife: the first one, and before it; None when a single HAV shows one. evasion: a pair
+        that evades and still hits its goals.
+    """
+    shown = _flags(single, "jackknifed").any()
+    return {
+        "jackknife": None if shown else _choose_jackknife(table, 2),
+        "evasion": _choose_evasion(table),
     }
 
 

@@ -17,6 +17,7 @@ from hav_env.world.event_table import EVENTS
 try:
     import matplotlib as mpl
     from matplotlib.axes import Axes
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.patches import Circle, Wedge
@@ -29,6 +30,7 @@ DARK, GREY, LIGHT = "#333333", "#888888", "#CCCCCC"
 HAV_COLORS = (BLUE, ORANGE, GREEN, PURPLE)
 
 _WIDTH = 7.2  # inches, two columns of a paper
+_DPI = 160  # of PNG files
 _MOST_POINTS = 2_000  # of a drawn path
 sheet = mpl.rc_context(
     {
@@ -52,7 +54,9 @@ sheet = mpl.rc_context(
 
 def new_figure(height: float, width: float = _WIDTH) -> Figure:
     """Return an empty figure [inches]."""
-    return Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
+    FigureCanvasAgg(figure)  # measures text as PNG files show it
+    return figure
 
 
 def save_figure(
@@ -63,8 +67,10 @@ def save_figure(
 ) -> list[str]:
     """Write name.png and name.svg, each whole or not at all; equal figures give equal bytes.
 
+    The figure is laid out once, for both files: that takes as long as writing one of them.
+
     Args:
-        figure: figure to write.
+        figure: figure to write; it keeps its layout from then on.
         folder: where to; it is made.
         name: of the files, without a suffix.
         kinds: which of the two files.
@@ -76,9 +82,13 @@ def save_figure(
     folder.mkdir(parents=True, exist_ok=True)
     # the salt makes identifiers in an SVG file reproducible
     options: dict[str, dict[str, Any]] = {
-        "png": {"dpi": 160, "metadata": {"Software": None}},
+        "png": {"dpi": _DPI, "metadata": {"Software": None}},
         "svg": {"metadata": {"Date": None, "Creator": None}},
     }
+    layout = figure.get_layout_engine()
+    if layout is not None:
+        layout.execute(figure)
+        figure.set_layout_engine(None)  # a placeholder, "none", would draw before every file
     names = []
     for kind in kinds:
         names.append(f"{name}.{kind}")
