@@ -100,7 +100,8 @@ def draw_jackknife_histograms(table: pa.Table) -> Figure:
 def draw_goal_histograms(table: pa.Table, task: Task = Task()) -> Figure:
     """Compare the goals at the hit: heading difference, distance, and steps since the goal was set.
 
-    A goal is set when every HAV of the episode has hit the one before.
+    A goal is set when every HAV of the episode has hit the one before, or when the HAV itself has,
+    by ``Task.next_goal``.
     """
     goals = goals_of(table.column_names)
     figure, axes = _panels()
@@ -112,7 +113,7 @@ def draw_goal_histograms(table: pa.Table, task: Task = Task()) -> Figure:
         data = [_goal_sample(g, _values(table, f"goal_{g}_{kind}")) for g in goals]
         _draw_histograms(panel, np.linspace(0.0, limit, 26), data, _among(table))
         panel.set(xlabel=label)
-    data = [_goal_sample(g, _steps_needed(table, g)) for g in goals]
+    data = [_goal_sample(g, _steps_needed(table, g, task)) for g in goals]
     longest = max(100.0, *(values.max(initial=0.0) for _, values, _ in data))
     bins = np.geomspace(10.0, longest, 31)
     _draw_histograms(axes[2], bins, data, _among(table))
@@ -206,12 +207,14 @@ def _joint_positions(table: pa.Table) -> np.ndarray:
     return np.concatenate(positions)
 
 
-def _steps_needed(table: pa.Table, goal: int) -> np.ndarray:
+def _steps_needed(table: pa.Table, goal: int, task: Task) -> np.ndarray:
     """Return the steps from setting a goal to its hit, of all HAVs that hit it."""
     hit = table.filter(table[f"goal_{goal}_hit"])
     steps = _values(hit, f"goal_{goal}_step")
     if goal == 1:
         return steps
+    if task.next_goal == "alone":
+        return steps - _values(hit, f"goal_{goal - 1}_step")
     before = hit["episode"].to_numpy()
     table = table.filter(pc.is_in(table["episode"], hit["episode"].combine_chunks()))
     episodes, which = np.unique(table["episode"].to_numpy(), return_inverse=True)
