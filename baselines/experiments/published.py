@@ -64,8 +64,8 @@ class Closeness(NamedTuple):
     deviations: dict[str, float]
     """Standardized differences z of the same, experiments as units."""
     few: float
-    """-2 ln of the likelihood that none of the 95 jackknifed HAVs of pairs has fewer than four
-    trailers, as the paper says; 0 without pairs."""
+    """-2 ln of the probability that none of the paper's 95 jackknifed HAVs of pairs has fewer than
+    four trailers, given those counted here; 0 without pairs."""
 
     @property
     def chi2(self) -> float:
@@ -106,9 +106,12 @@ def measure_published(table: pa.Table, published: Published, jackknifed: Figure)
 
 
 def _few_trailers(pair: pa.Table, jackknifed: Figure) -> float:
+    """Return ``Closeness.few``: beta-binomial, with Jeffreys' prior of the share of such HAVs."""
     hit = pair[jackknifed.column].to_numpy(zero_copy_only=False).astype(bool)
-    few = np.sum(hit & (pair["num_trailers"].to_numpy() < _FEW_TRAILERS))
-    # half an observation beside those counted: no jackknife at all must not be a proof
-    share = (few + 0.5) / (np.sum(hit) + 1.0)
+    short = hit & (pair["num_trailers"].to_numpy() < _FEW_TRAILERS)
+    few, more = np.sum(short) + 0.5, np.sum(hit & ~short) + 0.5
     events = next(p.events for p in PUBLISHED if p.key == "pair jackknifed")
-    return -2.0 * events * math.log1p(-share)
+    whole = few + more
+    log_probability = math.lgamma(more + events) - math.lgamma(more)
+    log_probability -= math.lgamma(whole + events) - math.lgamma(whole)
+    return -2.0 * log_probability

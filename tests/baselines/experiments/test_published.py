@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pyarrow as pa
 import pytest
-from scipy.stats import binom
+from scipy.stats import betabinom
 
 from baselines.experiments.published import PUBLISHED, Closeness, closeness
 from hav_env.evaluation.figures import FOLDED_THROUGH
@@ -58,16 +58,18 @@ def test_deviations_are_those_of_two_shares_with_experiments_as_units():
     assert near.chi2 == pytest.approx(sum(z * z for z in near.deviations.values()))
 
 
-def test_the_sentence_on_few_trailers_is_a_likelihood():
-    """The more jackknifes of short HAVs, the less likely that 95 have none."""
+def test_the_sentence_on_few_trailers_is_a_probability():
+    """The more of those counted are short HAVs, the less likely is none of 95."""
     pair = table_of(4_500, 2, jackknifed=np.arange(9_000) < 100)
     short = np.where(np.arange(9_000) < 10, 3, 5)
     place = pair.column_names.index("num_trailers")
     few = closeness({"pair": pair.set_column(place, "num_trailers", pa.array(short))}).few
-    assert few == pytest.approx(-2.0 * math.log(binom.pmf(0, 95, 10.5 / 101)))
-    assert closeness({"pair": pair}).few == pytest.approx(
-        -2 * math.log(binom.pmf(0, 95, 0.5 / 101))
-    )
+    assert few == pytest.approx(-2.0 * betabinom(95, 10.5, 90.5).logpmf(0))
+    none = -2.0 * betabinom(95, 0.5, 100.5).logpmf(0)
+    assert closeness({"pair": pair}).few == pytest.approx(none)
+    nothing = -2.0 * betabinom(95, 0.5, 0.5).logpmf(0)
+    assert closeness({"pair": table_of(10, 2)}).few == pytest.approx(nothing)
+    assert none < nothing < few
     assert closeness({"single": the_papers()["single"]}).few == 0.0
 
 
