@@ -56,9 +56,10 @@ class Round(NamedTuple):
 class Plan(NamedTuple):
     """The rounds of a search."""
 
-    single: Round = Round(500, 24)
-    pair: Round = Round(100, 240)
-    more: Round = Round(500, 36)
+    single: Round = Round(500, 120)
+    more_singles: Round = Round(PAPER_EXPERIMENTS, 24)
+    pair: Round = Round(100, 160)
+    more_pairs: Round = Round(500, 24)
     both: Round = Round(1_000, 12)
     full: Round = Round(PAPER_EXPERIMENTS, 3)
     confirm: int = PAPER_EXPERIMENTS
@@ -121,13 +122,15 @@ def _rounds(measured: "_Measurements", plan: Plan, seed: int) -> Iterator[Scored
         ]
         return sorted(scored, key=lambda one: one.near.score)
 
-    singles = play("single", list(single_readings()), plan.single, ("single",))
-    yield from singles
-    kept = [one.reading for one in singles[: plan.single.kept]]
+    kept = list(single_readings())
+    for name, size in (("single", plan.single), ("more singles", plan.more_singles)):
+        singles = play(name, kept, size, ("single",))
+        yield from singles
+        kept = [one.reading for one in singles[: size.kept]]
     # what the single HAVs came to counts for their pairs
     ahead = {one.reading.name: one.near.score for one in singles}
     trials = [pair for reading in kept for pair in pair_readings(reading)]
-    for name, size in (("pair", plan.pair), ("more pairs", plan.more)):
+    for name, size in (("pair", plan.pair), ("more pairs", plan.more_pairs)):
         pairs = play(name, trials, size, ("pair",))
         pairs.sort(key=lambda one: one.near.score + ahead[name_of_single(one.reading)])
         yield from pairs
@@ -146,12 +149,13 @@ def _rounds(measured: "_Measurements", plan: Plan, seed: int) -> Iterator[Scored
 def _count_experiments(plan: Plan) -> int:
     """Return how many experiments all rounds take."""
     singles = list(single_readings())
-    pairs = plan.single.kept * len(list(pair_readings(singles[0])))
-    both = plan.more.kept * (1 + len(RECORDS))
+    pairs = plan.more_singles.kept * len(list(pair_readings(singles[0])))
+    both = plan.more_pairs.kept * (1 + len(RECORDS))
     return (
         len(singles) * plan.single.experiments
+        + plan.single.kept * plan.more_singles.experiments
         + pairs * plan.pair.experiments
-        + plan.pair.kept * plan.more.experiments
+        + plan.pair.kept * plan.more_pairs.experiments
         + 2 * both * plan.both.experiments
         + 2 * plan.both.kept * plan.full.experiments
         + 2 * plan.full.kept * CONFIRMING_SEEDS * plan.confirm

@@ -13,7 +13,7 @@ from baselines.experiments.search_space import pair_readings, single_readings
 from hav_env import Task
 from tests.support.budgets import budget
 
-PLAN = Plan(Round(3, 2), Round(2, 4), Round(3, 2), Round(4, 2), Round(5, 1), 6)
+PLAN = Plan(Round(3, 3), Round(4, 2), Round(2, 4), Round(3, 2), Round(4, 2), Round(5, 1), 6)
 STEPS = {"max_steps": budget(500, 5)}
 
 
@@ -35,12 +35,20 @@ def small(monkeypatch):
 def test_each_round_takes_the_nearest_of_the_one_before(small, tmp_path):
     found = search(9, tmp_path, plan=PLAN)
     rounds = {name: list(ones) for name, ones in itertools.groupby(found, lambda one: one.round)}
-    assert list(rounds) == ["single", "pair", "more pairs", "both", "full", "confirm"]
-    assert [len(ones) for ones in rounds.values()] == [3, 10, 4, 6, 2, 3]
+    assert list(rounds) == [
+        "single",
+        "more singles",
+        "pair",
+        "more pairs",
+        "both",
+        "full",
+        "confirm",
+    ]
+    assert [len(ones) for ones in rounds.values()] == [3, 3, 10, 4, 6, 2, 3]
     for name in ("single", "both", "full"):
         scores = [one.near.score for one in rounds[name]]
         assert scores == sorted(scores)
-    best = {one.reading.name for one in rounds["single"][:2]}
+    best = {one.reading.name for one in rounds["more singles"][:2]}
     assert {one.reading.name.partition(";")[0] for one in rounds["pair"]} == best
     assert {one.reading.task.record_every for one in rounds["both"]} == {1, 10, 100}
     nearest = {one.reading.name for one in rounds["both"][:2]}
