@@ -175,7 +175,8 @@ def _draw_histograms(axes: Axes, bins: np.ndarray, data: Sequence[_Sample], amon
             axes.stairs(share, bins, label=label, lw=1.2, ec=color)
     if any(len(values) for _, values, _ in data):
         axes.margins(y=0.15 * len(data) + 0.05)  # room for the legend
-        axes.legend(loc="upper right", borderaxespad=0.0)
+        legend = axes.legend(loc="upper right", borderaxespad=0.0)
+        legend.set_in_layout(False)  # it lies within the axes
     else:
         text = axes.text(0.5, 0.5, f"none {among}", transform=axes.transAxes, ha="center")
         text.set_bbox({"fc": "white", "ec": "none"})
@@ -200,11 +201,13 @@ def _goal_sample(goal: int, values: np.ndarray) -> _Sample:
 def _joint_positions(table: pa.Table) -> np.ndarray:
     """Return the Joint Position Metric of every joint of every HAV."""
     trucks, whole = _values(table, "truck_length"), _values(table, "vehicle_length")
-    trailers = table["trailer_lengths"].to_pylist()
-    positions = [np.zeros(0)]
-    for truck, behind, length in zip(trucks, trailers, whole, strict=True):
-        positions.append(np.cumsum([truck, *behind[:-1]]) / length)
-    return np.concatenate(positions)
+    trailers = table["trailer_lengths"].combine_chunks()
+    counts = pc.list_value_length(trailers).to_numpy()
+    behind = np.arange(counts.max(initial=0)) < counts[:, np.newaxis]  # (HAVs, joints)
+    lengths = np.zeros(behind.shape)
+    lengths[behind] = trailers.flatten().to_numpy()
+    ahead = np.column_stack([trucks, lengths])[:, : behind.shape[1]]
+    return (np.cumsum(ahead, axis=1) / whole[:, np.newaxis])[behind]
 
 
 def _steps_needed(table: pa.Table, goal: int, task: Task) -> np.ndarray:
