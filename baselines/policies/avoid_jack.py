@@ -73,7 +73,8 @@ class AvoidJack(NamedTuple):
     rear axle to rear axle."""
     evasion_clipped: bool = False
     """Cut the direction of evasion to the steering limit before the jackknife repulsion is added;
-    goal attraction is within the limit by itself. The text cuts the sum alone."""
+    goal attraction is within the limit by itself. The text cuts the sum alone. Cut, hardly any HAV
+    with fewer than four trailers jackknifes, as the text says."""
     evasion_release: Release = 1.0
     """Evasion ends when the distance exceeds this many times the distance at which it starts. The
     paper leaves the end open; 1 is the least that its text needs. A HAV out of sensing range is

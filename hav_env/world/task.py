@@ -31,8 +31,9 @@ class Task(NamedTuple):
     speak for alone (docs/reproduction.md)."""
     order: Literal["at_once", "in_turn"] = "at_once"
     """Whether all HAVs decide on the state before the step and then move at once, or one after the
-    other decides and moves: HAV 1 sees where HAV 0 has gone. The text is silent. Who is within
-    sensing range is found once, before the step. Environments take the actions of all at once."""
+    other decides and moves: HAV 1 sees where HAV 0 has gone. The text is silent; the published
+    first goals of pairs speak for in turn where circles are wide. Who is within sensing range is
+    found once, before the step. Environments take the actions of all at once."""
     on_goal: Literal["park", "remove"] = "park"
     """A HAV that has hit its last goal stays there, an obstacle to others, or leaves the world."""
     on_jackknife: Literal["record", "end"] = "record"
@@ -48,10 +49,13 @@ class Task(NamedTuple):
     does that keeps every so many poses. HAVs stop at their goals as they do otherwise."""
     potential_center: Share = 0.0
     """Where the circles of potential collisions lie: this share of the truck's length ahead of its
-    rear axle. The text puts them round the rear axle (0). Area and placement go by the text."""
+    rear axle. The text puts them round the rear axle (0). Round the truck's centre (0.5), with half
+    of the truck in the distance, they hold the whole HAV, and the published collisions of pairs
+    come near. Area and placement go by the text. Drawings show the text's circles."""
     potential_truck_share: Share = 0.0
     """Share of both trucks' lengths that the distance of a potential collision counts on top of the
-    trailers. The text counts trailers alone (0). Area and placement go by the text."""
+    trailers. The text counts trailers alone (0); a truck may be longer than all of them, and the
+    few published actual collisions read as if it counted. Area and placement go by the text."""
 
 
 @kernel
