@@ -104,20 +104,25 @@ def _reproduce(arguments: list[str]) -> None:
         Run(pathlib.Path(f"results/reproduce{'' if reading == TEXT else f'-{chosen}'}")),
         f" Readings: {', '.join(READINGS)}.",
     )
+    run = reading._replace(
+        policy=getattr(options, "policy", policy),
+        fleet=options.fleet,
+        task=options.task,
+        vehicle=options.vehicle,
+    )
+    if run._replace(policy=None) != reading._replace(policy=None) or (
+        isinstance(run.policy, type(reading.policy)) and run.policy != reading.policy
+    ):
+        run = run._replace(name=f"{chosen} with changes")
     rows = reproduce(
-        reading._replace(
-            policy=getattr(options, "policy", policy),
-            fleet=options.fleet,
-            task=options.task,
-            vehicle=options.vehicle,
-        ),
+        run,
         options.experiments,
         options.seed,
         options.output,
         options.threads,
         options.overwrite,
     )
-    _show(rows, f"{name} beside the paper, reading {chosen}")
+    _show(rows, f"{name} beside the paper, reading {run.name}")
     print(f"report, tables and figures: {visible(str(options.output))}/report.md")
 
 

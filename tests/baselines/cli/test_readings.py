@@ -82,13 +82,13 @@ def test_reproduce_runs_a_reading_by_name(tmp_path, capsys):
         "--output", tmp_path, "--policy.evasion-center", 0.25, *SHORT_EPISODES,
     )  # fmt: skip
     assert code == 0, err
-    assert "reading published" in out
+    assert "reading published with changes" in out
     described = json.loads((tmp_path / "pair.json").read_text())
     assert described["task"]["next_goal"] == "alone"
     assert described["policy"]["evasion_center"] == 0.25
     assert np.isclose(np.degrees(described["scenario"]["fleet"]["steering_max"]), 38)
     report = (tmp_path / "report.md").read_text()
-    assert "reading `published`: fitted; against the text" in report
+    assert "reading `published with changes`: fitted; against the text" in report
     assert "chi2 of all eight" in report
 
 
