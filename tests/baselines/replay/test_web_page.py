@@ -48,7 +48,7 @@ def test_states_take_few_bytes(trajectory, told):
     arrays = ("step", "phase", "x", "y", "axles", "driving", "steering", "evaded", "removed")
     size = sum(len(base64.b64decode(told[name])) for name in arrays)
     units = trajectory.num_trailers.sum() + 2
-    assert size == len(trajectory.step) * (6 + 2 * 17 + 4 * units)
+    assert size == len(trajectory.step) * (4 + 2 * 19 + 4 * units)
 
 
 def test_the_page_knows_all_events(told):
