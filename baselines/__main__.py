@@ -184,16 +184,18 @@ def _calibrate(arguments: list[str]) -> None:
 
 
 def _search(arguments: list[str]) -> None:
-    from baselines.experiments.search import (  # noqa: PLC0415
-        FITTING_SEED,
+    from baselines.experiments.search import FITTING_SEED, search  # noqa: PLC0415
+    from baselines.experiments.search_report import (  # noqa: PLC0415
         compare_words,
-        search,
+        names_of,
         show_found,
     )
 
     options = _parse("calibrate", arguments, [], Run(pathlib.Path("results/search"), FITTING_SEED))
     found = search(options.seed, options.output, options.threads, options.overwrite)
     _show(show_found(found), f"{len({one.reading.name for one in found}):,} readings tried")
+    for number, name in enumerate(names_of(found), 1):
+        print(f"{number}: {name}")
     _show(compare_words(found, options.threads), "the paper's words, in pairs")
     print(f"table: {visible(str(options.output))}/search.parquet")
 

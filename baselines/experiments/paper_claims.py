@@ -68,8 +68,9 @@ def _column(table: pa.Table, name: str) -> np.ndarray:
 
 
 def _last_joint(table: pa.Table) -> str:
+    jackknifed = _column(table, "jackknifed").astype(bool)
     last = _column(table, "jackknife_joint") == _column(table, "num_trailers")
-    return _share(last.sum(), _column(table, "jackknifed").sum())
+    return _share((jackknifed & last).sum(), jackknifed.sum())
 
 
 def _few_trailers(table: pa.Table) -> str:

@@ -18,6 +18,7 @@ from baselines.experiments.published import (
     PAPER_SIZES,
     PUBLISHED,
     closeness,
+    counting,
     measure_published,
     published_interval,
 )
@@ -170,7 +171,7 @@ def _report(
         parts += [f"## {scenario}\n", markdown(compare([name], [table]))]
     parts += [
         "## What else the paper says\n",
-        markdown(fingerprints(tables["single"], tables["pair"])),
+        markdown(fingerprints(*(counting(tables[s], reading.jackknifed) for s in PAPER_SIZES))),
     ]
     parts += ["## Figures\n", *(f"![{file}]({file})\n" for file in drawn if file.endswith("png"))]
     parts.append("The columns of the tables are described in docs/metrics.md.\n")

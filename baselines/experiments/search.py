@@ -18,12 +18,10 @@ from baselines.cli.progress import Progress
 from baselines.evaluation.run_description import claim, describe_run
 from baselines.evaluation.run_parts import write_table
 from baselines.evaluation.runs import Experiments, check_experiments
-from baselines.experiments.paper_claims import evading_in_misses, fingerprints
 from baselines.experiments.published import (
     JACKKNIFE_FIGURE,
     PAPER_EXPERIMENTS,
     PAPER_SIZES,
-    PUBLISHED,
     Closeness,
     closeness,
 )
@@ -35,13 +33,11 @@ from baselines.experiments.search_space import (
     single_readings,
     sparsely_recorded,
 )
-from baselines.replay.trajectory import Trajectory, record_trajectory
 from baselines.storage.locks import sole_user
 from hav_env.evaluation.rollout import rollout
 
 FITTING_SEED = 100
 CONFIRMING_SEEDS = 3  # the next ones
-_RECORDED = 100  # pairs whose states are looked at one by one
 
 
 class Round(NamedTuple):
@@ -222,50 +218,6 @@ def _read_lines(path: pathlib.Path) -> Iterator[tuple[str, Closeness]]:
             yield key, Closeness(*plain)
         except (ValueError, TypeError, KeyError):
             continue
-
-
-def show_found(found: list[Scored]) -> list[list[str]]:
-    """Return rows of text: the readings of the last rounds with their figures in percent."""
-    head = ["reading", "round", "seed", *(f"{p.key} [%]" for p in PUBLISHED), "chi2", "few"]
-    theirs = [f"{100 * p.events / p.size:.2f}" for p in PUBLISHED]
-    rows = [head, ["the paper", "", "", *theirs, "", ""]]
-    for one in found:
-        if one.round in ("full", "confirm"):
-            shares = [f"{100 * one.near.shares[p.key]:.2f}" for p in PUBLISHED]
-            ends = [f"{one.near.chi2:.1f}", f"{one.near.few:.1f}"]
-            rows.append([one.reading.name, one.round, str(one.seed), *shares, *ends])
-    return rows
-
-
-def compare_words(found: list[Scored], threads: int | None = None) -> list[list[str]]:
-    """Return rows of text: what the paper says in words, and the confirmed readings' pairs.
-
-    Args:
-        found: all that ``search`` measured.
-        threads: how many.
-    """
-    picks: dict[str, Scored] = {}
-    for one in found:
-        if one.round == "confirm":
-            picks.setdefault(one.reading.name, one)
-    columns = []
-    for number, one in enumerate(picks.values(), 1):
-        single, pair = (
-            rollout_of(one.reading, size, one.seed, one.experiments, threads)
-            for size in PAPER_SIZES
-        )
-        rows = [[name, told] for name, _, told in fingerprints(single, pair)[1:]]
-        evading = evading_in_misses(_record_pairs(one.reading, one.seed), one.reading.task)
-        rows.append([f"close misses in which a HAV evades (none), {_RECORDED} pairs", evading])
-        columns.append([["", f"reading {number}, seed {one.seed}"], *rows])
-    names = [name for name, _ in columns[0]]
-    return [[name, *(column[k][1] for column in columns)] for k, name in enumerate(names)]
-
-
-def _record_pairs(reading: Reading, seed: int) -> Iterator[Trajectory]:
-    models = reading.policy, scenario_of_reading(reading, "pair")
-    for episode in range(_RECORDED):
-        yield record_trajectory(*models, seed, episode, reading.task, reading.vehicle)
 
 
 def rollout_of(reading: Reading, size: str, seed: int, count: int, threads: int | None) -> pa.Table:

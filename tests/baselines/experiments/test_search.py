@@ -6,9 +6,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from baselines.experiments import search as searching
+from baselines.experiments import search_report
 from baselines.experiments.published import PAPER_SIZES
 from baselines.experiments.readings import TEXT, vary
-from baselines.experiments.search import Plan, Round, search, show_found
+from baselines.experiments.search import Plan, Round, search
+from baselines.experiments.search_report import compare_words, names_of, show_found
 from baselines.experiments.search_space import pair_readings, single_readings
 from hav_env import Task
 from tests.support.budgets import budget
@@ -59,6 +61,8 @@ def test_each_round_takes_the_nearest_of_the_one_before(small, tmp_path):
     table = pq.read_table(tmp_path / "search.parquet")
     assert table["reading"].to_pylist() == [one.reading.name for one in found]
     assert len(show_found(found)) == 2 + 2 + 3
+    assert names_of(found) == [one.reading.name for one in rounds["full"]]
+    assert [row[0] for row in show_found(found)[2:]] == ["1", "2", "1", "1", "1"]
 
 
 def test_an_interrupted_search_goes_on_where_it_stopped(small, tmp_path, monkeypatch):
@@ -123,8 +127,8 @@ class _Counted:
 
 
 def test_words_are_measured_for_confirmed_readings(small, tmp_path, monkeypatch):
-    monkeypatch.setattr(searching, "_RECORDED", 2)
-    rows = searching.compare_words(search(9, tmp_path, plan=PLAN))
+    monkeypatch.setattr(search_report, "_RECORDED", 2)
+    rows = compare_words(search(9, tmp_path, plan=PLAN))
     assert rows[0] == ["", "reading 1, seed 10"]
     assert all(len(row) == 2 for row in rows)
     assert "evades" in rows[-1][0]
