@@ -22,6 +22,7 @@ from baselines.experiments.published import (
     JACKKNIFE_FIGURE,
     PAPER_EXPERIMENTS,
     PAPER_SIZES,
+    PUBLISHED,
     Closeness,
     closeness,
 )
@@ -239,5 +240,7 @@ def _tabulate(found: list[Scored]) -> pa.Table:
     for one in found:
         head = {"reading": one.reading.name, "round": one.round, "seed": one.seed}
         head |= {"experiments": one.experiments}
-        rows.append(head | {"chi2": one.near.chi2, "score": one.near.score} | one.near.shares)
+        head |= {"chi2": one.near.chi2, "few": one.near.few}
+        shares = {published.key: one.near.shares.get(published.key) for published in PUBLISHED}
+        rows.append(head | shares)
     return pa.Table.from_pylist(rows)

@@ -60,6 +60,9 @@ def test_each_round_takes_the_nearest_of_the_one_before(small, tmp_path):
     assert {one.seed for one in found if one.round != "confirm"} == {9}
     table = pq.read_table(tmp_path / "search.parquet")
     assert table["reading"].to_pylist() == [one.reading.name for one in found]
+    met = [one.near.shares.get("pair potential collision") for one in found]
+    assert table["pair potential collision"].to_pylist() == met
+    assert table["single first goal"].null_count == len(rounds["pair"]) + len(rounds["more pairs"])
     assert len(show_found(found)) == 2 + 2 + 3
     assert names_of(found) == [one.reading.name for one in rounds["full"]]
     assert [row[0] for row in show_found(found)[2:]] == ["1", "2", "1", "1", "1"]
