@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from baselines.policies.avoid_jack import AvoidJack
+from baselines.replay import recording
 from baselines.replay.trajectory import chain_points, record_trajectory
 from hav_env import RandomPoses, Task
 from hav_env.evaluation.rollout import rollout
+from tests.support.budgets import budget
 
 TASK = Task(max_steps=300)
 SCENARIO = RandomPoses(num_havs=2)
@@ -41,3 +43,40 @@ def test_axles_of_a_chain_are_a_unit_apart_and_the_second_is_the_trucks(trajecto
         gaps = np.linalg.norm(np.diff(points, axis=1), axis=-1)
         assert np.allclose(gaps, trajectory.length[hav, : count + 1])
         assert np.allclose(points[:, 1, 0], trajectory.x[:, hav])
+
+
+@pytest.mark.parametrize("order", ["at_once", "in_turn"])
+def test_decisions_of_a_state_lead_to_the_next_one(order):
+    """Decided speed and steering move the truck by the paper's equations; evasions are tied."""
+    task = TASK._replace(order=order, max_steps=budget(4_000, 300), next_goal="alone")
+    wary = AvoidJack(evasion_truck_share=1.0)
+    kept = record_trajectory(wary, SCENARIO, 4, 5, task)
+    table = rollout(wary, SCENARIO, 4, np.array([5]), task)
+    turn = kept.speed * np.tan(kept.steering) / kept.length[:, 0] * task.dt
+    heading = kept.heading[:, :, 0]
+    np.testing.assert_allclose(np.diff(heading, axis=0), turn[:-1], rtol=0, atol=1e-9)
+    ahead = kept.speed[:-1] * task.dt
+    np.testing.assert_allclose(np.diff(kept.x, axis=0), ahead * np.cos(heading[1:]), atol=1e-7)
+    path = np.nansum(kept.speed, axis=0) * task.dt
+    np.testing.assert_allclose(path, table["path_length"].to_numpy())
+    for hav in range(2):
+        under_way = kept.phase[:, hav] == 0
+        x, y, _ = kept.goals[hav, 0]
+        closest = np.hypot(kept.x[:, hav] - x, kept.y[:, hav] - y)[under_way].min()
+        hit = table["goal_1_hit"][hav].as_py()
+        assert closest == table["goal_1_closest"][hav].as_py() or hit  # the hit ends the phase
+    distance = np.hypot(np.diff(kept.x, axis=1), np.diff(kept.y, axis=1))[:-1, 0]
+    wide = kept.footprint.sum() + kept.length[:, 0].sum()
+    apart = np.abs(distance - wide) > 1.0  # in turn, HAV 1 decides nearer by what HAV 0 drove
+    for hav in range(2):
+        evades = (kept.evaded[:-1, hav] >= 0) & ~kept.waiting[:-1, hav]
+        decides = ~kept.waiting[:-1, hav] & apart
+        np.testing.assert_array_equal(evades[decides], (distance < wide)[decides])
+
+
+def test_chunks_do_not_show(monkeypatch):
+    whole = record_trajectory(AvoidJack(), SCENARIO, 4, 7, TASK, every=3)
+    monkeypatch.setattr(recording, "_CHUNK", 17)
+    pieces = record_trajectory(AvoidJack(), SCENARIO, 4, 7, TASK, every=3)
+    for one, other in zip(whole, pieces, strict=True):
+        np.testing.assert_array_equal(one, other)
