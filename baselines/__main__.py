@@ -104,16 +104,17 @@ def _reproduce(arguments: list[str]) -> None:
         Run(pathlib.Path(f"results/reproduce{'' if reading == TEXT else f'-{chosen}'}")),
         f" Readings: {', '.join(READINGS)}.",
     )
+    _check_folder(options)
     run = reading._replace(
         policy=getattr(options, "policy", policy),
         fleet=options.fleet,
         task=options.task,
         vehicle=options.vehicle,
     )
-    if run._replace(policy=None) != reading._replace(policy=None) or (
-        isinstance(run.policy, type(reading.policy)) and run.policy != reading.policy
-    ):
-        run = run._replace(name=f"{chosen} with changes")
+    same = isinstance(run.policy, type(reading.policy)) and run.policy == reading.policy
+    if not same or run._replace(policy=None) != reading._replace(policy=None):
+        told = f"parameters differ from {chosen}; they are listed below"
+        run = run._replace(name=f"{chosen} with changes", told=told)
     rows = reproduce(
         run,
         options.experiments,
@@ -175,7 +176,9 @@ def _calibrate(arguments: list[str]) -> None:
         arguments,
         [("experiments", int, 1_000, "Experiments of each scenario and row.")],
         Run(pathlib.Path("results/calibrate")),
+        _ON_SEARCH,
     )
+    _check_folder(options)
     rows = calibrate(
         options.experiments, options.seed, options.output, options.threads, options.overwrite
     )
@@ -191,7 +194,10 @@ def _search(arguments: list[str]) -> None:
         show_found,
     )
 
-    options = _parse("calibrate", arguments, [], Run(pathlib.Path("results/search"), FITTING_SEED))
+    options = _parse(
+        "calibrate", arguments, [], Run(pathlib.Path("results/search"), FITTING_SEED), _ON_SEARCH
+    )
+    _check_folder(options)
     found = search(options.seed, options.output, options.threads, options.overwrite)
     _show(show_found(found), f"{len({one.reading.name for one in found}):,} readings tried")
     for number, name in enumerate(names_of(found), 1):
@@ -253,6 +259,18 @@ def _take_vehicle(arguments: list[str]) -> tuple[Any, list[str]]:
     """Return the vehicle that a command line names, and the other arguments."""
     name, arguments = take_option(arguments, "--vehicle", "on_axle")
     return VEHICLES.make(name), arguments
+
+
+def _check_folder(options: Any) -> None:
+    """Raise ValueError when a command that keeps its results has no folder."""
+    if options.output is None:
+        raise ValueError("output is None, but must be a folder")
+
+
+_ON_SEARCH = (
+    " With --search: a search for readings near the figures, about half an hour; --seed fits them,"
+    " and the next three seeds confirm."
+)
 
 
 def _parse(

@@ -106,7 +106,10 @@ def measure_published(table: pa.Table, published: Published, jackknifed: Figure)
 
 
 def counting(table: pa.Table, jackknifed: Figure) -> pa.Table:
-    """Return a table in which another figure counts as jackknifed."""
+    """Return a table in which another figure counts as jackknifed.
+
+    Step and joint stay those of the first articulation beyond the limit.
+    """
     place = table.column_names.index(JACKKNIFE_FIGURE.column)
     return table.set_column(place, JACKKNIFE_FIGURE.column, table[jackknifed.column])
 

@@ -36,6 +36,7 @@ from baselines.experiments.search_space import (
 )
 from baselines.storage.locks import sole_user
 from hav_env.evaluation.rollout import rollout
+from hav_env.simulator.batch import check_seed
 
 FITTING_SEED = 100
 CONFIRMING_SEEDS = 3  # the next ones
@@ -101,6 +102,7 @@ def search(
     """
     job = Experiments(TEXT.policy, scenario_of_reading(TEXT, "pair"), plan.confirm, seed)
     check_experiments(job, threads, "experiments")
+    check_seed(seed + CONFIRMING_SEEDS)
     with sole_user(output), Progress(_count_experiments(plan)) as progress:
         measured = _Measurements(output, job, plan, threads, overwrite, progress.advance)
         found = list(_rounds(measured, plan, seed))

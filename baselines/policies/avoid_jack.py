@@ -69,8 +69,8 @@ class AvoidJack(NamedTuple):
     of its rear axle. The text says the rear axle (0); 0.5, the truck's centre, with half of the
     truck's length in the distance makes circles that hold the whole HAV."""
     evasion_from_center: bool = False
-    """Evade from that point of the other truck to the same one of the own truck, instead of from
-    rear axle to rear axle."""
+    """Evade from that point of the other truck to the same one of the own truck. The text goes
+    from rear axle to rear axle. It makes no difference where ``evasion_center`` is 0."""
     evasion_clipped: bool = False
     """Cut the direction of evasion to the steering limit before the jackknife repulsion is added;
     goal attraction is within the limit by itself. The text cuts the sum alone. Cut, hardly any HAV

@@ -115,8 +115,8 @@ class HAVSingleEnv(_WorldEnv):
     """One HAV, alone by default: the paper's single-HAV task.
 
     Observation (D,), action (2,), columns and units as of ``HAVSwarmEnv``. Info: numbers. Among
-    others (``num_havs``), the episode ends when this HAV has hit its last goal; goals change when
-    all HAVs have hit the one under way.
+    others (``num_havs``), the episode ends when this HAV has hit its last goal; goals change by
+    the rule ``next_goal``.
     """
 
     def __init__(

@@ -67,6 +67,7 @@ def _tell(before: Scene, scene: Scene) -> list[str]:
         evaded = scene.evaded[hav]
         if len(scene.x) <= _FEW_EVADERS and evaded >= 0 and evaded != before.evaded[hav]:
             told.append(f"{name} evades hav_{evaded}")
-    if scene.phase.min() > before.phase.min():
+    together = scene.phase.min() == scene.phase.max()
+    if together and scene.phase.min() > before.phase.min():
         told.append(f"goal {scene.phase.min() + 1} for all")
     return told

@@ -17,7 +17,7 @@ from hav_env.simulator.trial import try_scenario, try_vehicle
 from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world.arrays import World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
-from hav_env.world.task import Task, check_task
+from hav_env.world.task import Task, check_at_once, check_task
 
 _FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
 
@@ -135,11 +135,12 @@ class Batch:
             steering: (N, W) steering angles [rad], left positive, cut likewise.
 
         Raises:
-            ValueError: when a shape is wrong or a number is not finite.
+            ValueError: when a shape is wrong, a number is not finite, or HAVs decide in turn.
             RuntimeError: before the first ``reset``.
         """
         if not self._begun:
             raise RuntimeError("call reset before step: the worlds are empty")
+        check_at_once(self.task)
         shape = self.worlds.state.x.shape
         arrays = []
         for name, values in (("speed", speed), ("steering", steering)):

@@ -110,7 +110,10 @@ def goal_direction(world: World, agent: int, lane: int) -> tuple[float, float]:
 
 @kernel
 def waits(world: World, agent: int, lane: int) -> bool:
-    """Tell whether the HAV waits at the goal under way: until the others have hit theirs."""
+    """Tell whether the HAV waits at its goal: for the others, or because it was the last one.
+
+    Where next goals come alone, it waits at its last goal only.
+    """
     return world.state.waiting[agent, lane]
 
 

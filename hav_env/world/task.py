@@ -33,7 +33,7 @@ class Task(NamedTuple):
     """Whether all HAVs decide on the state before the step and then move at once, or one after the
     other decides and moves: HAV 1 sees where HAV 0 has gone. The text is silent; the published
     first goals of pairs speak for in turn where circles are wide. Who is within sensing range is
-    found once, before the step. Environments take the actions of all at once."""
+    found once, before the step. Environments refuse in turn: they take all actions together."""
     on_goal: Literal["park", "remove"] = "park"
     """A HAV that has hit its last goal stays there, an obstacle to others, or leaves the world."""
     on_jackknife: Literal["record", "end"] = "record"
@@ -46,7 +46,9 @@ class Task(NamedTuple):
     are those of the steps."""
     record_every: Steps = 1
     """Look for jackknifes, collisions and close misses after every so many steps only, as a program
-    does that keeps every so many poses. HAVs stop at their goals as they do otherwise."""
+    does that keeps every so many poses. The text is silent; such a program would miss short
+    jackknifes and collisions. HAVs stop at their goals as they do otherwise. The largest
+    articulation, and with it "folded through", is that of all steps."""
     potential_center: Share = 0.0
     """Where the circles of potential collisions lie: this share of the truck's length ahead of its
     rear axle. The text puts them round the rear axle (0). Round the truck's centre (0.5), with half
@@ -94,8 +96,8 @@ def check_at_once(task: Task) -> None:
     """
     if task.order in ("in_turn", IN_TURN):
         raise ValueError(
-            "task order is 'in_turn', but must be 'at_once' where all actions are given together:"
-            " rollout, evaluate and watch run HAVs in turn"
+            "task order is 'in_turn', but must be 'at_once' where all HAVs decide on one state:"
+            " policies without such a demand run in turn in rollout, evaluate and watch"
         )
 
 

@@ -174,6 +174,7 @@ def vector_environment(name):
         lambda: PolicyDriver(AvoidJack(), in_turn_batch()),
         lambda: PolicyDriver("avoid_jack", in_turn_batch(), first=1),
         decide_in_turn,
+        lambda: in_turn_batch().step(np.zeros((2, 1)), np.zeros((2, 1))),
         lambda: DecisionProcess(task=IN_TURN),
         lambda: DecisionProcess(order="in_turn"),
         lambda: parallel_env(order="in_turn"),

@@ -198,6 +198,7 @@ def test_results_without_a_description_are_not_taken_for_ones_own(tmp_path, caps
         (["reproduce", "--experiments", "0"], "experiments is 0"),
         (["reproduce", "--reading", "nobodys"], "reading is 'nobodys', but must be one of text"),
         (["calibrate", "--experiments", "0"], "experiments is 0"),
+        (["calibrate", "--search", "--seed", str(2**32 - 1)], f"seed is {2**32 + 2}"),
     ],
 )
 def test_bad_input_is_one_line_and_an_exit_code(arguments, message, tmp_path, capsys):
@@ -207,6 +208,13 @@ def test_bad_input_is_one_line_and_an_exit_code(arguments, message, tmp_path, ca
     assert len(said) == 1
     assert message in said[0]
     assert not list(tmp_path.glob("*.parquet"))
+
+
+@pytest.mark.parametrize("command", [["reproduce"], ["calibrate"], ["calibrate", "--search"]])
+def test_what_is_kept_needs_a_folder(command, capsys):
+    code, _, err = run(capsys, *command, "--output", "None")
+    assert code == 2
+    assert err.splitlines()[-1] == "error: output is None, but must be a folder"
 
 
 @pytest.mark.parametrize(

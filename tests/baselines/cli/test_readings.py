@@ -88,7 +88,7 @@ def test_reproduce_runs_a_reading_by_name(tmp_path, capsys):
     assert described["policy"]["evasion_center"] == 0.25
     assert np.isclose(np.degrees(described["scenario"]["fleet"]["steering_max"]), 38)
     report = (tmp_path / "report.md").read_text()
-    assert "reading `published with changes`: fitted; against the text" in report
+    assert "reading `published with changes`: parameters differ from published" in report
     assert "chi2 of all eight" in report
 
 

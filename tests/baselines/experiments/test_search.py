@@ -1,10 +1,12 @@
 """The search for readings: what goes on from round to round, seeds apart, and resuming."""
 
+import functools
 import itertools
 
 import pyarrow.parquet as pq
 import pytest
 
+from baselines.__main__ import main
 from baselines.experiments import search as searching
 from baselines.experiments import search_report
 from baselines.experiments.published import PAPER_SIZES
@@ -127,6 +129,17 @@ class _Counted:
 
     def advance(self, experiments, steps):
         self.done.append(experiments)
+
+
+def test_the_command_shows_readings_by_number_and_their_words(small, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(search_report, "_RECORDED", 2)
+    monkeypatch.setattr(searching, "search", functools.partial(search, plan=PLAN))
+    assert main(["calibrate", "--search", "--seed", "9", "--output", str(tmp_path)]) == 0
+    told = capsys.readouterr().out
+    names = pq.read_table(tmp_path / "search.parquet")["reading"].to_pylist()
+    assert f"{len(set(names))} readings tried" in told
+    assert f"1: {names[-1]}" in told
+    assert "the paper's words, in pairs" in told
 
 
 def test_words_are_measured_for_confirmed_readings(small, tmp_path, monkeypatch):
