@@ -85,44 +85,39 @@ def circles(center: float, truck_share: float) -> dict[str, dict[str, float]]:
 
 
 TEXT = Reading("text", "the paper to the letter; steering and close fitted to single HAVs")
-_WHOLE = circles(0.5, 0.5)
-_DEGREES_38 = {"steering_max": math.radians(38.0)}
+_TEXT_38 = vary(
+    TEXT,
+    "text-38",
+    "the paper to the letter, 38 degrees, close within 3.75 truck lengths",
+    policy={"close_factor": 3.75},
+    fleet={"steering_max": math.radians(38.0)},
+)
+_FITTED = vary(
+    _TEXT_38,
+    "published",
+    "fitted; against the text: next goals alone, circles round the trucks' centres that"
+    " hold the whole HAV; HAVs in turn, 38 degrees, close 3.75",
+    policy=circles(0.5, 0.5)["policy"],
+    task={"next_goal": "alone", "order": "in_turn"} | circles(0.5, 0.5)["task"],
+)
 
 READINGS = {
     reading.name: reading
     for reading in (
         TEXT,
+        _TEXT_38,
+        _FITTED,
         vary(
-            TEXT,
-            "text-38",
-            "the paper to the letter, 38 degrees, close within 3.75 truck lengths",
-            policy={"close_factor": 3.75},
-            fleet=_DEGREES_38,
-        ),
-        vary(
-            TEXT,
-            "published",
-            "fitted; against the text: next goals alone, circles round the trucks' centres that"
-            " hold the whole HAV; HAVs in turn, 38 degrees, close 3.75",
-            policy={"close_factor": 3.75} | _WHOLE["policy"],
-            fleet=_DEGREES_38,
-            task={"next_goal": "alone", "order": "in_turn"} | _WHOLE["task"],
-        ),
-        vary(
-            TEXT,
+            _FITTED,
             "published-waiting",
             "published, but HAVs wait for each other as in the text",
-            policy={"close_factor": 3.75} | _WHOLE["policy"],
-            fleet=_DEGREES_38,
-            task={"order": "in_turn"} | _WHOLE["task"],
+            task={"next_goal": "together"},
         ),
         vary(
-            TEXT,
+            _FITTED,
             "published-at-once",
             "published, but all HAVs decide at once",
-            policy={"close_factor": 3.75} | _WHOLE["policy"],
-            fleet=_DEGREES_38,
-            task={"next_goal": "alone"} | _WHOLE["task"],
+            task={"order": "at_once"},
         ),
         vary(
             TEXT,
