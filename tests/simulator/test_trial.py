@@ -8,7 +8,16 @@ import textwrap
 import numpy as np
 import pytest
 
-from hav_env import Batch, RandomPoses, parallel_env, rollout
+from hav_env import (
+    Batch,
+    RandomPoses,
+    act,
+    act_lanes,
+    move,
+    parallel_env,
+    populate,
+    rollout,
+)
 from hav_env.policies import check_policy
 from tests.support.budgets import COMPILED
 
@@ -53,6 +62,9 @@ def mine(tmp_path, monkeypatch):
 
     yield make
     sys.modules.pop("written_here", None)
+    for table in (act.table, act_lanes.table, move.table, populate.table):
+        for model in [model for model in table if model.__module__ == "written_here"]:
+            del table[model]  # other tests count what there is
 
 
 @pytest.mark.parametrize(
