@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, entry, kernel, lanes_from
+from hav_env.compiled import VECTOR, entry, kernel, lanes_from, of_width
 from hav_env.maths.geometry import clip
 from hav_env.mdp.info import REPORT, write_report
 from hav_env.mdp.reward import WAITED, note_before, reward_terms
-from hav_env.observation import observe, plan_route
+from hav_env.observation import Scratch, observe, plan_route, write_rows
 from hav_env.simulator.transition import late, remove_arrived, step, terminated
 from hav_env.world.lanes import APART, OBSERVED_LANES, block_of
 from hav_env.world.sensing import limits
@@ -35,9 +35,9 @@ class Buffers(NamedTuple):
     command: np.ndarray  # (2, N, W) speed [m/s], steering [rad]
     remaining: np.ndarray  # (C, W) Dubins length to the goal [m]
     before: np.ndarray  # (C, BEFORE_SIZE, W)
-    route: np.ndarray  # (C, ROUTE_SIZE, W)
     returns: np.ndarray  # (T, C, W) sums of the weighted terms since the episode began
     columns: np.ndarray  # (ranges, D, APART) float32
+    scratch: Scratch  # each of its arrays likewise
 
 
 class Portion(NamedTuple):
@@ -58,9 +58,12 @@ def _buffers_from(buffers, start, slot):
         lanes_from(buffers.command, start),
         lanes_from(buffers.remaining, start),
         lanes_from(buffers.before, start),
-        lanes_from(buffers.route, start),
         lanes_from(buffers.returns, start),
-        buffers.columns[slot],
+        of_width(buffers.columns[slot], APART),
+        Scratch(
+            of_width(buffers.scratch.rows[slot], APART),
+            of_width(buffers.scratch.chain[slot], APART),
+        ),
     )
 
 
@@ -112,7 +115,7 @@ def advance_worlds(
             step(task, vehicle, world, block.command[0], block.command[1])
         if portion.closes:
             for agent in range(actions.shape[1]):
-                plan_route(world, agent, block.route, block.remaining)
+                plan_route(world, agent, block.scratch, block.remaining)
                 _reward(reward, duration, world, agent, block, result)
                 _write_outcome(observation, world, agent, block, result)
             for lane in range(world.lanes):
@@ -129,7 +132,7 @@ def observe_worlds(first, last, observation, worlds, buffers, chosen, outcome):
             world = block_of(worlds, w, 1, worlds.units)
             block, result = _buffers_from(buffers, w, first // VECTOR), _outcome_from(outcome, w)
             for agent in range(outcome.info.shape[1]):
-                plan_route(world, agent, block.route, block.remaining)
+                plan_route(world, agent, block.scratch, block.remaining)
                 _write_outcome(observation, world, agent, block, result)
 
 
@@ -173,9 +176,5 @@ def _reward(reward, duration, world, agent, block, outcome):
 def _write_outcome(observation, world, agent, block, outcome):
     """Write the report and the observation."""
     write_report(world, agent, block.remaining, outcome.info)
-    # with this said, the compiler knows how far the rows lie apart, and uses vectors
-    if block.columns.shape[1] == APART:
-        observe(observation, world, agent, block.route, block.columns)
-    for lane in range(world.lanes):
-        for column in range(block.columns.shape[0]):
-            outcome.observation[lane, agent, column] = block.columns[column, lane]
+    observe(observation, world, agent, block.scratch, block.columns)
+    write_rows(block.columns, world.lanes, outcome.observation[:, agent])

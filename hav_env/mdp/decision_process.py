@@ -25,8 +25,10 @@ from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped
 from hav_env.observation import (
-    ROUTE_SIZE,
+    CHAIN_ROWS,
+    SCRATCH_ROWS,
     Observation,
+    Scratch,
     check_observation,
     name_columns,
     settle,
@@ -126,9 +128,12 @@ class DecisionProcess:
             np.zeros((2, n, w)),
             np.zeros((c, w)),
             np.zeros((c, BEFORE_SIZE, w)),
-            np.zeros((c, ROUTE_SIZE, w)),
             np.zeros((len(reward), c, w)),
             np.zeros((ranges, len(self.columns), APART), np.float32),
+            Scratch(
+                np.zeros((ranges, SCRATCH_ROWS, APART), np.float32),
+                np.zeros((ranges, CHAIN_ROWS, APART)),
+            ),
         )
         self._compiled: Any = None
         self._recycler = Recycler(

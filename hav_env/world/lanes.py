@@ -10,7 +10,7 @@ from hav_env.world.arrays import Fleet, Nearby, Record, State, World
 LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
 # the same where observations and rewards are written as well: these rows are many, and longer
 # ones are read ahead
-OBSERVED_LANES = 256
+OBSERVED_LANES = 128
 APART = OBSERVED_LANES + VECTOR  # rows at this distance do not drive each other out of the cache
 
 

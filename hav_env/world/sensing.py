@@ -31,6 +31,7 @@ from hav_env.world.arrays import (
     truck_distance,
 )
 from hav_env.world.collision import front_axle, front_gap, nearest_on_chain, offset_between
+from hav_env.world.other_havs import direction_of, place_of
 
 
 @kernel
@@ -76,6 +77,13 @@ def steering_direction(world: World, agent: int, lane: int) -> tuple[float, floa
     """Return cosine and sine of the maximum steering angle."""
     limit = world.fleet.limit
     return limit[agent, STEERING_COSINE, lane], limit[agent, STEERING_SINE, lane]
+
+
+@kernel
+def articulation(world: World, agent: int, joint: int, lane: int) -> float:
+    """Return an articulation in [-pi, pi): joint 1 is the first, bending left is positive [rad]."""
+    heading = world.state.heading
+    return wrap(heading[agent, joint, lane] - heading[agent, joint - 1, lane])
 
 
 @kernel
@@ -139,10 +147,7 @@ def neighbor_id(world: World, agent: int, k: int, lane: int) -> int:
 @kernel
 def neighbor_position(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return where the truck's rear axle of neighbour ``k`` is: forward [m], left [m]."""
-    state, other = world.state, world.nearby.index[agent, k, lane]
-    dx = state.x[other, lane] - state.x[agent, lane]
-    dy = state.y[other, lane] - state.y[agent, lane]
-    return into_truck_frame(state, agent, lane, dx, dy)
+    return place_of(world, agent, world.nearby.index[agent, k, lane], lane)
 
 
 @kernel
@@ -180,10 +185,7 @@ def neighbor_heading(world: World, agent: int, k: int, unit: int, lane: int) -> 
 @kernel
 def neighbor_heading_direction(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return cosine and sine of the heading of neighbour ``k`` relative to the own truck's."""
-    state, other = world.state, world.nearby.index[agent, k, lane]
-    return into_truck_frame(
-        state, agent, lane, state.cosine[other, 0, lane], state.sine[other, 0, lane]
-    )
+    return direction_of(world, agent, world.nearby.index[agent, k, lane], lane)
 
 
 @kernel

@@ -39,8 +39,8 @@ ADDITIONS = {
     },
     "neighbors.py": {
         '    *place_columns("chain_"),\n': '    Column("half"),\n',
-        "    columns[column + _NEIGHBOR_AT.present, lane] = 1.0\n": (
-            "    columns[column + _NEIGHBOR_AT.half, lane] = 0.5\n"
+        "            columns[column + _NEIGHBOR_AT.present, lane] = 1.0\n": (
+            "            columns[column + _NEIGHBOR_AT.half, lane] = 0.5\n"
         ),
     },
 }

@@ -218,8 +218,11 @@ def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, front
                 absent = set(found) - set(expected)
                 assert all(name.startswith("neighbor_") and found[name] == 0.0 for name in absent)
                 assert not set(expected) - set(found)
+                for name in ("goal_path", "approach_path"):
+                    if expected[f"{name}_first"] < scaled(1e-3):  # to which side tells nothing
+                        expected[f"{name}_turn"] = found[f"{name}_turn"]
                 for name, value in expected.items():
-                    assert found[name] == pytest.approx(value, abs=2e-6), name
+                    assert found[name] == pytest.approx(value, abs=1e-5), name
         actions = rng.uniform(-1, 1, (num_worlds, process.num_havs, 2))
         actions[..., 0] = 1.0
         for _ in range(budget(20, 1)):
@@ -248,16 +251,16 @@ def test_columns_of_more_neighbours_come_after_those_of_fewer():
 
 def test_distances_and_lengths_can_be_read_back():
     distances = np.concatenate([[0.0], np.geomspace(1e-6, 9_999.0, 200)])
-    columns = np.array([scale_distance(d) for d in distances])
-    assert np.expm1(columns * np.log1p(1e4)) == pytest.approx(distances, rel=1e-9, abs=1e-12)
-    assert (np.diff(columns) > 0.0).all()
-    assert 10.0 * scale_length(12.5) == 12.5
+    columns = np.array([scale_distance(d) for d in distances.astype(np.float32)], float)
+    assert np.expm1(columns * np.log1p(1e4)) == pytest.approx(distances, rel=3e-6, abs=1e-7)
+    assert (np.diff(columns) >= 0.0).all()
+    assert 10.0 * scale_length(np.float32(12.5)) == 12.5
 
 
 @pytest.mark.parametrize(("scale", "most"), [(scale_distance, 1.0), (scale_length, 10.0)])
 def test_what_is_beyond_the_scale_is_cut(scale, most):
-    assert scale(1e9) == scale(math.inf) == most
-    assert scale(0.0) == 0.0
+    assert scale(np.float32(1e9)) == scale(np.float32(math.inf)) == most
+    assert scale(np.float32(0.0)) == 0.0
 
 
 def test_columns_take_the_signs_that_their_bounds_allow():
