@@ -27,6 +27,7 @@ from hav_env.world.arrays import (
 )
 from hav_env.world.collision import collision_distance, front_gap
 from hav_env.world.goals import goals_hit
+from hav_env.world.sensing import neighbor_id, num_neighbors
 
 # what was so before the action, of each HAV: whether it waited, goals hit, Dubins length to the
 # goal [m], ever jackknifed, ever in an actual collision
@@ -184,8 +185,8 @@ def default_terms(reward, duration, world, agent, before, remaining, terms):
 def _deepest(world, agent, lane):
     """Return how deep a footprint circle has been entered, at most: from 0 to 1."""
     deepest = 0.0
-    for k in range(world.nearby.count[agent, lane]):
-        other = world.nearby.index[agent, k, lane]
+    for k in range(num_neighbors(world, agent, lane)):
+        other = neighbor_id(world, agent, k, lane)
         allowed = collision_distance(world.fleet, agent, other, lane)
         distance = truck_distance(world.state, agent, other, lane)
         deepest = max(deepest, 1.0 - distance / allowed)
@@ -196,8 +197,8 @@ def _deepest(world, agent, lane):
 def _nearness(world, agent, lane):
     """Return how near the truck's front is to the nearest chain: from 0 to 1."""
     nearness = 0.0
-    for k in range(world.nearby.count[agent, lane]):
-        other = world.nearby.index[agent, k, lane]
+    for k in range(num_neighbors(world, agent, lane)):
+        other = neighbor_id(world, agent, k, lane)
         gap = front_gap(world, agent, other, lane)
         nearness = max(nearness, 1.0 - gap / _PROXIMITY_RANGE)
     return nearness
