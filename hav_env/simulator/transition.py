@@ -21,8 +21,7 @@ from hav_env.world.arrays import (
     goal_under_way,
     is_removed,
 )
-from hav_env.world.collision import enclose
-from hav_env.world.continuous_collision import enclose_way, note_axles
+from hav_env.world.continuous_collision import note_axles
 from hav_env.world.events import clear_record, record_collisions, record_motion
 from hav_env.world.goals import assign_goal, record_approach
 from hav_env.world.lanes import block_of, moving_block
@@ -47,9 +46,8 @@ def begin(scenario, task, world, lane, seed, episode):
     for agent in range(state.x.shape[0]):
         assign_goal(world, agent, lane, 0)
     alone = block_of(world, lane, 1, world.units)
-    for agent in range(state.x.shape[0]):
-        enclose(alone, agent)
-        if task.continuous_collisions:
+    if task.continuous_collisions:
+        for agent in range(state.x.shape[0]):
             note_axles(alone, agent)
     find_nearby(task, alone)
     record_collisions(task, alone)
@@ -92,10 +90,6 @@ def move_hav(task, vehicle, world, agent, speed, steering):
     move(vehicle, task.dt, moving, agent)
     events = record_motion(task, moving, agent)
     hits = record_approach(task, moving, agent)
-    if world.state.x.shape[0] > 1:
-        enclose(moving, agent)
-        if task.continuous_collisions:
-            enclose_way(moving, agent)
     return events, hits
 
 
@@ -178,10 +172,8 @@ def _remove_arrived(task, world):
             if arrived(world, agent, lane) and not is_removed(world, agent, lane):
                 world.record.total[agent, REMOVED, lane] = 1.0
                 world.state.x[agent, lane] = _REMOVED_X + _REMOVED_SPACING * agent
-                alone = block_of(world, lane, 1, world.units)
-                enclose(alone, agent)
                 if task.continuous_collisions:
-                    note_axles(alone, agent)
+                    note_axles(block_of(world, lane, 1, world.units), agent)
 
 
 @kernel
