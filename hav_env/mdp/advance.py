@@ -7,8 +7,15 @@ import numpy as np
 from hav_env.compiled import VECTOR, entry, kernel, lanes_from, of_width
 from hav_env.maths.geometry import clip
 from hav_env.mdp.info import REPORT, write_report
-from hav_env.mdp.reward import WAITED, note_before, reward_terms
-from hav_env.observation import Scratch, observe, plan_route, write_rows
+from hav_env.mdp.reward import BEFORE_SIZE, WAITED, note_before, reward_terms
+from hav_env.observation import (
+    CHAIN_ROWS,
+    SCRATCH_ROWS,
+    Scratch,
+    observe,
+    plan_route,
+    write_rows,
+)
 from hav_env.simulator.transition import late, remove_arrived, step, terminated
 from hav_env.world.lanes import APART, OBSERVED_LANES, block_of
 from hav_env.world.sensing import limits
@@ -18,7 +25,7 @@ class Outcome(NamedTuple):
     """The outcome of an action; the first C of the N HAVs of a world are controlled."""
 
     observation: np.ndarray  # (W, C, D) float32
-    info: np.ndarray  # (K, C, W) the report, then the returns so far by term of the reward
+    info: np.ndarray  # (K, C, W) the report, then the returns so far by term; see ``Portion``
     reward: np.ndarray  # (C, W)
     terminated: np.ndarray  # (W,) bool
     truncated: np.ndarray  # (W,) bool
@@ -29,6 +36,13 @@ def outcome_size(controlled: int, columns: int, numbers: int) -> int:
     return controlled * (2 * 4 * columns + 4 * 8 * numbers)
 
 
+class Actions(NamedTuple):
+    """Actions as the user holds them: in one of two precisions; the other array is empty."""
+
+    single: np.ndarray  # (W, C, 2) float32 from -1 to 1, or (0, C, 2)
+    double: np.ndarray  # (W, C, 2) from -1 to 1, or (0, C, 2)
+
+
 class Buffers(NamedTuple):
     """Arrays that last from action to action, and scratch."""
 
@@ -36,8 +50,40 @@ class Buffers(NamedTuple):
     remaining: np.ndarray  # (C, W) Dubins length to the goal [m]
     before: np.ndarray  # (C, BEFORE_SIZE, W)
     returns: np.ndarray  # (T, C, W) sums of the weighted terms since the episode began
+    terms: np.ndarray  # (ranges, T, C, at most APART) of the reward, without weights
     columns: np.ndarray  # (ranges, D, APART) float32
     scratch: Scratch  # each of its arrays likewise
+
+
+# arrays of scratch by name: they mean nothing from one action to the next
+SCRATCH = "buffers.terms", "buffers.columns", "buffers.scratch"
+
+
+def allocate_buffers(
+    num_havs: int, controlled: int, num_worlds: int, num_terms: int, num_columns: int
+) -> Buffers:
+    """Return buffers.
+
+    Args:
+        num_havs: N.
+        controlled: C.
+        num_worlds: W.
+        num_terms: T, of the reward.
+        num_columns: D, of the observation.
+    """
+    c, w, ranges = controlled, num_worlds, -(-num_worlds // VECTOR)
+    return Buffers(
+        np.zeros((2, num_havs, w)),
+        np.zeros((c, w)),
+        np.zeros((c, BEFORE_SIZE, w)),
+        np.zeros((num_terms, c, w)),
+        np.zeros((ranges, num_terms, c, min(w, APART))),
+        np.zeros((ranges, num_columns, APART), np.float32),
+        Scratch(
+            np.zeros((ranges, SCRATCH_ROWS, APART), np.float32),
+            np.zeros((ranges, CHAIN_ROWS, APART)),
+        ),
+    )
 
 
 class Portion(NamedTuple):
@@ -49,6 +95,22 @@ class Portion(NamedTuple):
     """Number of steps of the simulator."""
     closes: bool
     """The action ends with it."""
+    reports: bool
+    """Every world is reported on; otherwise only those whose episodes end."""
+
+
+def divide_action(frame_skip: int, driven: bool, reports: bool) -> tuple[Portion, ...]:
+    """Return the portions of an action: all of it, or its steps where others decide before each.
+
+    Args:
+        frame_skip: for how many steps of the simulator the action is held.
+        driven: whether a policy drives others.
+        reports: whether every world is reported on.
+    """
+    if not driven:
+        return (Portion(True, frame_skip, True, reports),)
+    last = frame_skip - 1
+    return tuple(Portion(k == 0, 1, k == last, reports) for k in range(frame_skip))
 
 
 @kernel
@@ -59,6 +121,7 @@ def _buffers_from(buffers, start, slot):
         lanes_from(buffers.remaining, start),
         lanes_from(buffers.before, start),
         lanes_from(buffers.returns, start),
+        buffers.terms[slot],
         of_width(buffers.columns[slot], APART),
         Scratch(
             of_width(buffers.scratch.rows[slot], APART),
@@ -94,19 +157,22 @@ def advance_worlds(
         observation: settled for the number of HAVs.
         worlds: the arrays of all worlds.
         buffers: of all worlds.
-        actions: (W, C, 2) from -1 to 1, cut.
+        actions: ``Actions`` of all worlds, cut.
         portion: a ``Portion``: which part of the action.
         outcome: of all worlds; written where the action closes.
     """
-    duration = task.dt * portion.steps
+    duration, controlled = task.dt * portion.steps, outcome.info.shape[1]
     for start in range(first, last, OBSERVED_LANES):
         world = block_of(worlds, start, min(OBSERVED_LANES, last - start), worlds.units)
         block, result = (
             _buffers_from(buffers, start, first // VECTOR),
             _outcome_from(outcome, start),
         )
-        for agent in range(actions.shape[1]):
-            _command(world, block, agent, actions[start:])
+        for agent in range(controlled):
+            if actions.single.shape[0] > 0:
+                _command(world, block, agent, actions.single[start:])
+            else:
+                _command(world, block, agent, actions.double[start:])
             if portion.opens:
                 note_before(world, agent, block.remaining, block.before)
         if portion.opens:
@@ -114,14 +180,19 @@ def advance_worlds(
         for _ in range(portion.steps):
             step(task, vehicle, world, block.command[0], block.command[1])
         if portion.closes:
-            for agent in range(actions.shape[1]):
+            for agent in range(controlled):
                 plan_route(world, agent, block.scratch, block.remaining)
-                _reward(reward, duration, world, agent, block, result)
+                terms = result.info[len(REPORT) :] if portion.reports else block.terms
+                _reward(reward, duration, world, agent, block, terms, result)
                 _write_outcome(observation, world, agent, block, result)
+                if portion.reports:
+                    _report(world, agent, block, result)
             for lane in range(world.lanes):
-                over = terminated(task, world, actions.shape[1], lane)
+                over = terminated(task, world, controlled, lane)
                 result.terminated[lane] = over
                 result.truncated[lane] = late(task, world, lane) and not over
+            if not portion.reports:
+                _report_ends(worlds, buffers, outcome, start, world.lanes)
 
 
 @entry
@@ -134,6 +205,7 @@ def observe_worlds(first, last, observation, worlds, buffers, chosen, outcome):
             for agent in range(outcome.info.shape[1]):
                 plan_route(world, agent, block.scratch, block.remaining)
                 _write_outcome(observation, world, agent, block, result)
+                _report(world, agent, block, result)
 
 
 @kernel
@@ -152,14 +224,14 @@ def _command(world, block, agent, actions):
     for lane in range(world.lanes):
         speed_max, steering_max, _ = limits(world, agent, lane)
         block.command[0, agent, lane], block.command[1, agent, lane] = to_command(
-            actions[lane, agent, 0], actions[lane, agent, 1], speed_max, steering_max
+            float(actions[lane, agent, 0]), float(actions[lane, agent, 1]), speed_max, steering_max
         )
 
 
 @kernel
-def _reward(reward, duration, world, agent, block, outcome):
-    """Work out the weighted sum of the terms, and what each has come to since the beginning."""
-    terms, total = outcome.info[len(REPORT) :], outcome.reward
+def _reward(reward, duration, world, agent, block, terms, outcome):
+    """Work out the terms, their weighted sum, and what each has come to since the beginning."""
+    total = outcome.reward
     reward_terms(reward, duration, world, agent, block.before, block.remaining, terms)
     for lane in range(world.lanes):
         total[agent, lane] = 0.0
@@ -168,13 +240,32 @@ def _reward(reward, duration, world, agent, block, outcome):
             acts = block.before[agent, WAITED, lane] == 0.0
             value = reward[t] * terms[t, agent, lane] if acts else 0.0
             block.returns[t, agent, lane] += value
-            terms[t, agent, lane] = block.returns[t, agent, lane]
             total[agent, lane] += value
 
 
 @kernel
 def _write_outcome(observation, world, agent, block, outcome):
-    """Write the report and the observation."""
-    write_report(world, agent, block.remaining, outcome.info)
+    """Write the observation."""
     observe(observation, world, agent, block.scratch, block.columns)
     write_rows(block.columns, world.lanes, outcome.observation[:, agent])
+
+
+@kernel
+def _report_ends(worlds, buffers, outcome, start, lanes):
+    """Write the reports on those worlds of a block whose episodes end."""
+    for w in range(start, start + lanes):
+        if outcome.terminated[w] | outcome.truncated[w]:
+            world = block_of(worlds, w, 1, worlds.units)
+            block, result = _buffers_from(buffers, w, 0), _outcome_from(outcome, w)
+            for agent in range(outcome.info.shape[1]):
+                _report(world, agent, block, result)
+
+
+@kernel
+def _report(world, agent, block, outcome):
+    """Write the report on a HAV, and what each term of its reward has come to."""
+    returns, told = block.returns, outcome.info[len(REPORT) :]
+    write_report(world, agent, block.remaining, outcome.info)
+    for t in range(returns.shape[0]):
+        for lane in range(world.lanes):
+            told[t, agent, lane] = returns[t, agent, lane]

@@ -3,43 +3,38 @@
 Every environment is a face of it. A single environment is a decision process of one world.
 """
 
-import warnings
-from typing import Any, TypedDict
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, canonical, default_threads, share_out
+from hav_env.compiled import canonical, default_threads, share_out
 from hav_env.mdp.advance import (
-    Buffers,
+    SCRATCH,
+    Actions,
     Outcome,
-    Portion,
     advance_worlds,
+    allocate_buffers,
+    divide_action,
     observe_worlds,
     outcome_size,
 )
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.info import REPORT
-from hav_env.mdp.reward import BEFORE_SIZE, REWARDS, Reward, check_reward
+from hav_env.mdp.reward import REWARDS, Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped
-from hav_env.observation import (
-    CHAIN_ROWS,
-    SCRATCH_ROWS,
-    Observation,
-    Scratch,
-    check_observation,
-    name_columns,
-    settle,
-)
+from hav_env.observation import Observation, check_observation, name_columns, settle
 from hav_env.policies.driver import PolicyDriver
 from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.batch import Batch, begin_worlds, check_placed
 from hav_env.vehicles import VEHICLES, OnAxle
-from hav_env.world.lanes import APART
 from hav_env.world.task import Task, check_at_once, set_rules
 
+Reports = Literal["always", "ends"]
+
+_SINGLE = np.dtype(np.float32).itemsize
 _HAVS_PER_THREAD = 1_024  # HAVs for which it is worth to wake a thread
 
 
@@ -54,6 +49,7 @@ class Settings(TypedDict, total=False):
     reward: Any
     frame_skip: int
     threads: int | None
+    info: Reports
 
 
 class DecisionProcess:
@@ -63,6 +59,8 @@ class DecisionProcess:
         batch: the worlds.
         columns: names of the columns of an observation.
         info: names of the numbers that are reported of each HAV.
+        always: whether every world is reported on after every action, not only where its episode
+            ends.
     """
 
     def __init__(
@@ -80,6 +78,7 @@ class DecisionProcess:
         reward: Any = Reward(),
         frame_skip: int = 1,
         threads: int | None = None,
+        info: Reports = "always",
         **rules: Any,
     ) -> None:
         """Allocate the worlds; they are empty until ``begin``.
@@ -96,6 +95,8 @@ class DecisionProcess:
             reward: reward of the learners: a model, or its name or ``module:Class``.
             frame_skip: for how many steps of the simulator an action is held.
             threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
+            info: "always" reports on the HAVs after every action, "ends" only on those of worlds
+                whose episodes end, which is faster.
             rules: rules of the task that are to be others: ``max_steps``, ``on_goal``, ...
 
         Raises:
@@ -108,6 +109,7 @@ class DecisionProcess:
         check_reward(reward)
         try_reward(reward)
         check_value("frame_skip", Skipped, frame_skip)
+        check_value("info", Reports, info)
         task = set_rules(task, **rules)
         check_at_once(task)
         self.batch = Batch(scenario, num_worlds, task, vehicle, threads)
@@ -123,28 +125,13 @@ class DecisionProcess:
         driver = None if others is None else PolicyDriver(others, self.batch, c)
         self._driver = driver if c < n else None  # nobody is left to be driven
         self._reward = canonical(reward)
-        ranges = -(-w // VECTOR)
-        self._buffers = Buffers(
-            np.zeros((2, n, w)),
-            np.zeros((c, w)),
-            np.zeros((c, BEFORE_SIZE, w)),
-            np.zeros((len(reward), c, w)),
-            np.zeros((ranges, len(self.columns), APART), np.float32),
-            Scratch(
-                np.zeros((ranges, SCRATCH_ROWS, APART), np.float32),
-                np.zeros((ranges, CHAIN_ROWS, APART)),
-            ),
-        )
+        self._buffers = allocate_buffers(n, c, w, len(reward), len(self.columns))
         self._compiled: Any = None
         self._recycler = Recycler(
-            [
-                ((w, c, len(self.columns)), np.float32),
-                ((len(self.info), c, w), np.float64),
-                ((c, w), np.float64),
-                ((w,), np.bool_),
-                ((w,), np.bool_),
-            ]
+            [((w, c, len(self.columns)), np.float32), ((len(self.info), c, w), np.float64)]
         )
+        self._no_actions = Actions(np.empty((0, c, 2), np.float32), np.empty((0, c, 2)))
+        self.report(info == "always")
         self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
         self._all_begun = False
         self._threads = min(threads or default_threads(), max(1, c * w // _HAVS_PER_THREAD))
@@ -164,6 +151,11 @@ class DecisionProcess:
         if type(reward) is not type(self._reward):
             raise TypeError(f"reward is {reward!r}, but must be a {type(self._reward).__name__}")
         self._reward = canonical(reward)
+
+    def report(self, always: bool) -> None:
+        """Report on every world after every action, or only on those whose episodes end."""
+        self.always = always
+        self._portions = divide_action(self.frame_skip, self._driver is not None, always)
 
     def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
         """Begin episodes in the worlds that are chosen.
@@ -228,43 +220,62 @@ class DecisionProcess:
         outcome.reward[:, chosen] = 0.0
         outcome.terminated[chosen] = outcome.truncated[chosen] = False
 
-    def step(self, actions: np.ndarray) -> Outcome:
+    def step(self, actions: np.ndarray, outcome: Outcome | None = None) -> Outcome:
         """Take one action in every world.
 
         Args:
-            actions: (W, C, 2) speed and steering from -1 to 1, finite, float64, contiguous.
+            actions: (W, C, 2) speed and steering from -1 to 1, finite, float64 or float32,
+                contiguous; read and not kept.
+            outcome: arrays to write the outcome into, of a ``step`` or ``outcome()`` before; fresh
+                ones by default.
+
+        Returns:
+            The outcome. Without ``always``, what its info holds of a world whose episode goes on
+            means nothing.
 
         Raises:
             RuntimeError: when a world has no episode.
         """
-        self.require_episodes("step")
-        outcome, last = self.outcome(), self.frame_skip - 1
-        if self._driver is None:
-            self._advance(actions, Portion(True, self.frame_skip, True), outcome)
-            return outcome
-        for k in range(self.frame_skip):
-            self._buffers.command[:] = self._driver.decide()
-            self._advance(actions, Portion(k == 0, 1, k == last), outcome)
-        return outcome
-
-    def _advance(self, actions: np.ndarray, portion: Portion, outcome: Outcome) -> None:
+        if not self._all_begun:
+            self.require_episodes("step")
+        if outcome is None:
+            outcome = self.outcome()
+        none = self._no_actions
+        single = actions.itemsize == _SINGLE
+        told = Actions(actions, none.double) if single else Actions(none.single, actions)
         batch = self.batch
         models = batch.task, batch.vehicle, self._reward, self.observation
-        args = *models, batch.worlds, self._buffers, actions, portion, outcome
-        if self._compiled is None:
-            self._compiled = advance_worlds.prepare(*args)
-        share_out(self._compiled, self.num_worlds, args, self._threads)
+        for portion in self._portions:
+            if self._driver is not None:
+                self._buffers.command[:] = self._driver.decide()
+            args = *models, batch.worlds, self._buffers, told, portion, outcome
+            if self._compiled is None:
+                self._compiled = advance_worlds.prepare(*args)
+            if self._threads == 1:  # there is nothing to share out
+                self._compiled(0, self.num_worlds, *args)
+            else:
+                share_out(self._compiled, self.num_worlds, args, self._threads)
+        return outcome
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return the arrays of the worlds and of what is kept from action to action, by name."""
-        return _name_arrays({"worlds": self.batch.worlds, "buffers": self._buffers})
+        found = _name_arrays({"worlds": self.batch.worlds, "buffers": self._buffers})
+        return {name: array for name, array in found.items() if not name.startswith(SCRATCH)}
 
     def outcome(self) -> Outcome:
         """Return arrays for an outcome; what is in them means nothing yet.
 
         Nobody else holds any part of them.
         """
-        return Outcome(*self._recycler.arrays())
+        observation, info = self._recycler.arrays()
+        controlled, worlds = self.num_controlled, self.num_worlds
+        return Outcome(  # what is small stands alone: it can be kept without the rest
+            observation,
+            info,
+            np.empty((controlled, worlds)),
+            np.empty(worlds, np.bool_),
+            np.empty(worlds, np.bool_),
+        )
 
 
 def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
@@ -277,10 +288,3 @@ def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
             inner = _name_arrays(part._asdict())
             found |= {f"{name}.{field}": array for field, array in inner.items()}
     return found
-
-
-def warn_of_unknown(options: dict[str, Any], known: tuple[str, ...]) -> None:
-    """Warn of options of a reset that are not known; they are ignored."""
-    for name in sorted(set(options) - set(known), key=str):
-        told = f"reset ignores the option {name!r}; known: {', '.join(known)}"
-        warnings.warn(told, stacklevel=4)  # who called the environment's reset
