@@ -7,7 +7,15 @@ calls an ``entry``. Entries alone are cached on disk, and spread their worlds ov
 
 from hav_env.compiled.digests import Code, classes_in, digest_code
 from hav_env.compiled.entries import canonical, entry
-from hav_env.compiled.instructions import bits_of, contiguous, fixed, float_of, fma, lanes_from
+from hav_env.compiled.instructions import (
+    bits_of,
+    contiguous,
+    fixed,
+    float_of,
+    fma,
+    lanes_from,
+    take,
+)
 from hav_env.compiled.kernels import generic, kernel, rare_kernel
 from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
 
@@ -30,4 +38,5 @@ __all__ = [
     "rare_kernel",
     "run_on_threads",
     "share_out",
+    "take",
 ]

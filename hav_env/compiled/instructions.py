@@ -4,6 +4,7 @@ import ctypes
 import math
 import os
 import struct
+import threading
 from collections.abc import Callable
 
 import numba
@@ -21,6 +22,7 @@ def _find_fma() -> Callable:
 
 
 _fma = _find_fma()
+_counting = threading.Lock()
 
 
 def fma(x, y, z):
@@ -65,12 +67,21 @@ def fixed(row):
     return row
 
 
+def take(counter):
+    """Return the number in an array of one, and count on: each thread gets another one."""
+    with _counting:
+        taken = counter[0]
+        counter[0] = taken + 1
+    return taken
+
+
 type_callable(fma)(lambda context: lambda x, y, z: numba.float64)
 type_callable(bits_of)(lambda context: lambda value: numba.int64)
 type_callable(float_of)(lambda context: lambda bits: numba.float64)
 type_callable(lanes_from)(lambda context: lambda array, first: array)
 type_callable(contiguous)(lambda context: lambda row: row.copy(layout="C"))
 type_callable(fixed)(lambda context: lambda row: numba.int64)
+type_callable(take)(lambda context: lambda counter: numba.int64)
 
 
 @lower_builtin(fma, numba.types.Float, numba.types.Float, numba.types.Float)
@@ -115,3 +126,10 @@ def _lower_contiguous(context, builder, signature, arguments):
 def _lower_fixed(context, builder, signature, arguments):
     word = ir.IntType(64)
     return builder.asm(ir.FunctionType(word, [word]), "", "=r,0", arguments, side_effect=False)
+
+
+@lower_builtin(take, numba.types.Array)
+def _lower_take(context, builder, signature, arguments):
+    view = cgutils.create_struct_proxy(signature.args[0])(context, builder, arguments[0])
+    one = ir.Constant(ir.IntType(64), 1)
+    return builder.atomic_rmw("add", view.data, one, "monotonic")

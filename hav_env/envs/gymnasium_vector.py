@@ -71,10 +71,11 @@ class _WorldsVectorEnv(VectorEnv):
         super().reset(seed=int(seed) if isinstance(seed, numbers.Integral) else None)
         self._set_keys(seeds, chosen)
         outcome = self._process.outcome()
-        self._begin(chosen)
+        self._begin(chosen, outcome)
         self._over = self._over & ~chosen
-        self._process.observe_worlds(np.ones_like(chosen), outcome)
-        outcome.info[:, :, ~chosen] = 0.0
+        if not chosen.all():
+            self._process.observe_worlds(~chosen, outcome)
+            outcome.info[:, :, ~chosen] = 0.0
         return self._view.observations(outcome.observation), self._info(outcome.info, chosen)
 
     def step(
@@ -96,15 +97,13 @@ class _WorldsVectorEnv(VectorEnv):
         outcome = self._process.step(actions.reshape(self.num_envs, -1, 2))
         final: dict[str, Any] = {}
         if self.autoreset_mode == AutoresetMode.NEXT_STEP and self._over.any():
-            self._begin_next(self._over)
-            self._process.observe_worlds(self._over, outcome)
+            self._begin_next(self._over, outcome)
         terminated, truncated = outcome.terminated.copy(), outcome.truncated.copy()
         rewards = np.array(self._view.rewards(outcome.reward))
         self._over = terminated | truncated
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self._over.any():
             final = self._final(outcome)
-            self._begin_next(self._over)
-            self._process.observe_worlds(self._over, outcome)
+            self._begin_next(self._over, outcome)
         everywhere = np.ones(self.num_envs, np.bool_)
         info = final | self._info(outcome.info, everywhere)
         return self._view.observations(outcome.observation), rewards, terminated, truncated, info
@@ -170,13 +169,13 @@ class _WorldsVectorEnv(VectorEnv):
             if own is not None:
                 self._seeds[w] = own
 
-    def _begin_next(self, chosen: np.ndarray) -> None:
-        self._episodes[chosen] += 1
-        self._begin(chosen)
+    def _begin_next(self, chosen: np.ndarray, outcome: Outcome) -> None:
+        self._episodes += chosen
+        self._begin(chosen, outcome)
 
-    def _begin(self, chosen: np.ndarray) -> None:
+    def _begin(self, chosen: np.ndarray, outcome: Outcome) -> None:
         assert self._seeds is not None
-        self._process.begin(self._seeds, self._episodes, chosen)
+        self._process.begin(self._seeds, self._episodes, chosen, outcome)
         self._screen.forget(chosen)
 
     def _info(self, numbers: np.ndarray, chosen: np.ndarray) -> dict[str, Any]:

@@ -7,8 +7,8 @@ import numpy as np
 from hav_env.compiled import VECTOR, entry, kernel, lanes_from
 from hav_env.maths.geometry import clip
 from hav_env.mdp.info import REPORT, write_report
-from hav_env.mdp.reward import WAITED, note_before, reward_terms
-from hav_env.observation import observe, plan_route
+from hav_env.mdp.reward import BEFORE_SIZE, WAITED, note_before, reward_terms
+from hav_env.observation import ROUTE_SIZE, observe, plan_route
 from hav_env.simulator.transition import late, remove_arrived, step, terminated
 from hav_env.world.lanes import APART, OBSERVED_LANES, block_of
 from hav_env.world.sensing import limits
@@ -38,6 +38,38 @@ class Buffers(NamedTuple):
     route: np.ndarray  # (C, ROUTE_SIZE, W)
     returns: np.ndarray  # (T, C, W) sums of the weighted terms since the episode began
     columns: np.ndarray  # (ranges, D, APART) float32
+
+
+def allocate_buffers(
+    num_worlds: int, num_havs: int, controlled: int, terms: int, columns: int, slots: int
+) -> Buffers:
+    """Return the buffers of W worlds: of N HAVs, C controlled ones, T terms and D columns.
+
+    ``slots`` is how many threads may use ``Buffers.columns`` at a time.
+    """
+    n, c, w = num_havs, controlled, num_worlds
+    return Buffers(
+        np.zeros((2, n, w)),
+        np.zeros((c, w)),
+        np.zeros((c, BEFORE_SIZE, w)),
+        np.zeros((c, ROUTE_SIZE, w)),
+        np.zeros((terms, c, w)),
+        np.zeros((slots, columns, APART), np.float32),
+    )
+
+
+def outcome_layout(
+    num_worlds: int, controlled: int, columns: int, numbers: int
+) -> list[tuple[tuple[int, ...], type]]:
+    """Return shape and type of every array of an ``Outcome``: W, C, D and K of them."""
+    w, c = num_worlds, controlled
+    return [
+        ((w, c, columns), np.float32),
+        ((numbers, c, w), np.float64),
+        ((c, w), np.float64),
+        ((w,), np.bool_),
+        ((w,), np.bool_),
+    ]
 
 
 class Portion(NamedTuple):
@@ -127,10 +159,35 @@ def observe_worlds(first, last, observation, worlds, buffers, chosen, outcome):
     for w in range(first, last):
         if chosen[w]:
             world = block_of(worlds, w, 1, worlds.units)
-            block, result = _buffers_from(buffers, w, first // VECTOR), _outcome_from(outcome, w)
-            for agent in range(outcome.info.shape[1]):
-                plan_route(world, agent, block.route, block.remaining)
-                _write_outcome(observation, world, agent, block, result)
+            observe_block(observation, world, buffers, w, first // VECTOR, outcome)
+
+
+@kernel
+def observe_block(observation, world, buffers, start, slot, outcome):
+    """Write what is seen in a block of worlds in which no action has just been taken.
+
+    Rewards are zero, and nothing has ended.
+
+    Args:
+        observation: settled for the number of HAVs.
+        world: the block.
+        buffers: of all worlds.
+        start: the first of them that is in the block.
+        slot: which of the buffers' columns this thread may use.
+        outcome: of all worlds, to be written.
+    """
+    block, result = _buffers_from(buffers, start, slot), _outcome_from(outcome, start)
+    returns = result.info[len(REPORT) :]
+    for agent in range(result.info.shape[1]):
+        plan_route(world, agent, block.route, block.remaining)
+        _write_outcome(observation, world, agent, block, result)
+        for lane in range(world.lanes):
+            result.reward[agent, lane] = 0.0
+        for t in range(returns.shape[0]):
+            for lane in range(world.lanes):
+                returns[t, agent, lane] = block.returns[t, agent, lane]
+    for lane in range(world.lanes):
+        result.terminated[lane] = result.truncated[lane] = False
 
 
 @kernel

@@ -10,32 +10,27 @@ import numpy as np
 
 from hav_env.compiled import VECTOR, canonical, default_threads, share_out
 from hav_env.mdp.advance import (
-    Buffers,
     Outcome,
     Portion,
     advance_worlds,
+    allocate_buffers,
     observe_worlds,
+    outcome_layout,
     outcome_size,
 )
 from hav_env.mdp.array_pool import Recycler
+from hav_env.mdp.beginning import allocate_stage, begin_episodes
 from hav_env.mdp.info import REPORT
-from hav_env.mdp.reward import BEFORE_SIZE, REWARDS, Reward, check_reward
+from hav_env.mdp.reward import REWARDS, Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped
-from hav_env.observation import (
-    ROUTE_SIZE,
-    Observation,
-    check_observation,
-    name_columns,
-    settle,
-)
+from hav_env.observation import Observation, check_observation, name_columns, settle
 from hav_env.policies.driver import PolicyDriver
 from hav_env.scenarios.presets import scenario_of
-from hav_env.simulator.batch import Batch, begin_worlds, check_placed
+from hav_env.simulator.batch import Batch, check_placed
 from hav_env.vehicles import VEHICLES, OnAxle
-from hav_env.world.lanes import APART
 from hav_env.world.task import Task, check_at_once, set_rules
 
 _HAVS_PER_THREAD = 1_024  # HAVs for which it is worth to wake a thread
@@ -121,32 +116,18 @@ class DecisionProcess:
         driver = None if others is None else PolicyDriver(others, self.batch, c)
         self._driver = driver if c < n else None  # nobody is left to be driven
         self._reward = canonical(reward)
-        ranges = -(-w // VECTOR)
-        self._buffers = Buffers(
-            np.zeros((2, n, w)),
-            np.zeros((c, w)),
-            np.zeros((c, BEFORE_SIZE, w)),
-            np.zeros((c, ROUTE_SIZE, w)),
-            np.zeros((len(reward), c, w)),
-            np.zeros((ranges, len(self.columns), APART), np.float32),
-        )
-        self._compiled: Any = None
-        self._recycler = Recycler(
-            [
-                ((w, c, len(self.columns)), np.float32),
-                ((len(self.info), c, w), np.float64),
-                ((c, w), np.float64),
-                ((w,), np.bool_),
-                ((w,), np.bool_),
-            ]
-        )
+        sizes = n, c, len(reward), len(self.columns)
+        self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR))
+        self._recycler = Recycler(outcome_layout(w, c, len(self.columns), len(self.info)))
+        self._compiled: dict[str, Any] = {}  # entries, by name
         self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
         self._all_begun = False
         self._threads = min(threads or default_threads(), max(1, c * w // _HAVS_PER_THREAD))
+        self._stage = allocate_stage(self.batch, self._threads, sizes, len(self.info))
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what is compiled: a copy asks for it again."""
-        return self.__dict__ | {"_compiled": None}
+        return self.__dict__ | {"_compiled": {}}
 
     def set_reward(self, reward: Any) -> None:
         """Change the weights of the reward from the next action on.
@@ -160,38 +141,36 @@ class DecisionProcess:
             raise TypeError(f"reward is {reward!r}, but must be a {type(self._reward).__name__}")
         self._reward = canonical(reward)
 
-    def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
-        """Begin episodes in the worlds that are chosen.
+    def begin(
+        self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray, outcome: Outcome
+    ) -> None:
+        """Begin episodes in the worlds that are chosen, and write what is seen there.
 
         Args:
             seeds: (W,) int64; those of the chosen worlds count.
             episodes: (W,) int64, their numbers; likewise.
             chosen: (W,) bool.
+            outcome: written for the chosen worlds: no reward, no end.
 
         Raises:
             PlacementError: when a world has no room for its HAVs; it then has no episode.
         """
-        self._begun &= ~chosen
-        self._all_begun = False
-        self._buffers.returns[..., chosen] = 0.0
+        places = np.flatnonzero(chosen)
+        placed = np.zeros(places.size, np.bool_)
+        self._begun[places] = self._all_begun = False
         if self._driver is not None:
             self._driver.forget(chosen)
-        placed = ~chosen
+        batch = self.batch
+        models = batch.scenario, batch.task, self.observation
+        arrays = batch.worlds, self._buffers, outcome, self._stage
+        keys = (np.ascontiguousarray(numbers, np.int64) for numbers in (seeds, episodes))
+        args = *models, *arrays, np.zeros(1, np.int64), places, *keys, placed
         try:
-            begin_worlds(
-                self.num_worlds,
-                self.batch.scenario,
-                self.batch.task,
-                self.batch.worlds,
-                seeds,
-                episodes,
-                placed,
-                threads=self._threads,
-            )
+            self._run(begin_episodes, places.size, args)
         finally:  # an interrupt comes when all worlds are done
-            self._begun |= chosen & placed
-            self._all_begun = bool(self._begun.all())
-        check_placed(placed, self.batch.scenario)
+            self._begun[places] = placed
+            self._all_begun = np.count_nonzero(self._begun) == self.num_worlds
+        check_placed(placed, batch.scenario)
 
     def require_episodes(self, use: str) -> None:
         """Raise RuntimeError unless every world has an episode, naming what needs it."""
@@ -206,22 +185,9 @@ class DecisionProcess:
         )
 
     def observe_worlds(self, chosen: np.ndarray, outcome: Outcome) -> None:
-        """Write what is seen in the worlds (W,) that are chosen, whose episodes have just begun.
-
-        Rewards are zero, and nothing has ended.
-        """
-        observe_worlds(
-            self.num_worlds,
-            self.observation,
-            self.batch.worlds,
-            self._buffers,
-            chosen,
-            outcome,
-            threads=self._threads,
-        )
-        outcome.info[len(REPORT) :, :, chosen] = self._buffers.returns[..., chosen]
-        outcome.reward[:, chosen] = 0.0
-        outcome.terminated[chosen] = outcome.truncated[chosen] = False
+        """Write what is seen in the worlds (W,) that are chosen: no reward, no end."""
+        args = self.observation, self.batch.worlds, self._buffers, chosen, outcome
+        observe_worlds(self.num_worlds, *args, threads=self._threads)
 
     def step(self, actions: np.ndarray) -> Outcome:
         """Take one action in every world.
@@ -246,9 +212,14 @@ class DecisionProcess:
         batch = self.batch
         models = batch.task, batch.vehicle, self._reward, self.observation
         args = *models, batch.worlds, self._buffers, actions, portion, outcome
-        if self._compiled is None:
-            self._compiled = advance_worlds.prepare(*args)
-        share_out(self._compiled, self.num_worlds, args, self._threads)
+        self._run(advance_worlds, self.num_worlds, args)
+
+    def _run(self, loop: Any, count: int, args: tuple) -> None:
+        """Run an entry over worlds; the types of its arguments are always the same."""
+        name = loop.__name__
+        if name not in self._compiled:
+            self._compiled[name] = loop.prepare(*args)
+        share_out(self._compiled[name], count, args, self._threads)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return the arrays of the worlds and of what is kept from action to action, by name."""

@@ -4,12 +4,14 @@ import os
 import signal
 import threading
 import time
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import hav_env
 from hav_env.compiled import VECTOR, share_out
+from hav_env.mdp import decision_process
 from hav_env.mdp.decision_process import DecisionProcess
 from tests.support.budgets import budget
 
@@ -52,19 +54,16 @@ def test_an_interrupt_waits_until_every_world_is_done_once(own_takes, helper_tak
 
 
 def process():
-    made = DecisionProcess(
-        budget(1024, 40), scenario=hav_env.RandomPoses(num_havs=2), threads=THREADS
-    )
-    made._threads = THREADS
-    return made
+    scenario = hav_env.RandomPoses(num_havs=2)
+    with mock.patch.object(decision_process, "_HAVS_PER_THREAD", 1):
+        return DecisionProcess(budget(1024, 40), scenario=scenario, threads=THREADS)
 
 
 def begin(made, seed):
     w = made.num_worlds
     chosen = np.ones(w, np.bool_)
     told = made.outcome()
-    made.begin(np.full(w, seed), np.arange(w), chosen)
-    made.observe_worlds(chosen, told)
+    made.begin(np.full(w, seed), np.arange(w), chosen, told)
     return told
 
 
