@@ -17,6 +17,7 @@ from hav_env.compiled.instructions import (
     lanes_from,
     of_width,
     split_power,
+    take,
     transpose_tile,
 )
 from hav_env.compiled.kernels import generic, kernel, rare_kernel
@@ -47,5 +48,6 @@ __all__ = [
     "share_out",
     "single",
     "split_power",
+    "take",
     "transpose_tile",
 ]

@@ -4,6 +4,7 @@ import ctypes
 import math
 import os
 import struct
+import threading
 from collections.abc import Callable
 
 import numba
@@ -26,6 +27,7 @@ def _find_in_libm(name: str, kind: type) -> Callable:
 # math.fma is there from Python 3.13 on
 _fma = getattr(math, "fma", None) or _find_in_libm("fma", ctypes.c_double)
 _fma_of_singles = _find_in_libm("fmaf", ctypes.c_float)
+_counting = threading.Lock()
 
 
 def fma(x, y, z):
@@ -108,6 +110,14 @@ def fixed(row):
     return row
 
 
+def take(counter):
+    """Return the number in an array of one, and count on: each thread gets another one."""
+    with _counting:
+        taken = counter[0]
+        counter[0] = taken + 1
+    return taken
+
+
 type_callable(fma)(lambda context: _type_fma)
 type_callable(split_power)(lambda context: lambda x: numba.types.UniTuple(x, 2))
 type_callable(transpose_tile)(
@@ -119,6 +129,7 @@ type_callable(lanes_from)(lambda context: lambda array, first: array)
 type_callable(of_width)(lambda context: lambda array, width: array)
 type_callable(contiguous)(lambda context: lambda row: row.copy(layout="C"))
 type_callable(fixed)(lambda context: lambda row: numba.int64)
+type_callable(take)(lambda context: lambda counter: numba.int64)
 
 
 def _type_fma(x, y, z):
@@ -243,3 +254,10 @@ def _lower_contiguous(context, builder, signature, arguments):
 def _lower_fixed(context, builder, signature, arguments):
     word = ir.IntType(64)
     return builder.asm(ir.FunctionType(word, [word]), "", "=r,0", arguments, side_effect=False)
+
+
+@lower_builtin(take, numba.types.Array)
+def _lower_take(context, builder, signature, arguments):
+    view = cgutils.create_struct_proxy(signature.args[0])(context, builder, arguments[0])
+    one = ir.Constant(ir.IntType(64), 1)
+    return builder.atomic_rmw("add", view.data, one, "monotonic")

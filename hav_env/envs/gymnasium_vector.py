@@ -72,9 +72,10 @@ class _WorldsVectorEnv(VectorEnv):
         super().reset(seed=int(seed) if isinstance(seed, numbers.Integral) else None)
         self._set_keys(seeds, chosen)
         outcome = self._process.outcome()
-        self._begin(chosen)
+        self._begin(chosen, outcome)
         self._note_ends(self._over & ~chosen)
-        self._process.observe_worlds(np.ones_like(chosen), outcome)
+        if not chosen.all():
+            self._process.observe_worlds(~chosen, outcome)
         info: dict[str, Any] = {}
         if self._process.always:
             outcome.info[:, :, ~chosen] = 0.0
@@ -100,17 +101,15 @@ class _WorldsVectorEnv(VectorEnv):
             raise RuntimeError(f"reset the worlds {ended} first: their episodes have ended")
         outcome = process.step(actions.reshape(self.num_envs, -1, 2))
         if self._any_over and mode == AutoresetMode.NEXT_STEP:
-            self._begin_next(self._over)
-            process.observe_worlds(self._over, outcome)
+            self._begin_next(self._over, outcome)
         observation, numbers, reward, terminated, truncated = outcome
         self._note_ends(terminated | truncated)
         info: dict[str, Any] = {}
         if self._any_over and mode == AutoresetMode.SAME_STEP:
             info = self._final(outcome)
-            self._begin_next(self._over)
             # rewards and ends stay those of the episodes that are over
             apart = map(np.empty_like, (reward, terminated, truncated))
-            process.observe_worlds(self._over, Outcome(observation, numbers, *apart))
+            self._begin_next(self._over, Outcome(observation, numbers, *apart))
         if process.always:
             info |= self._info(numbers, np.ones(self.num_envs, np.bool_))
         elif self._any_over and mode != AutoresetMode.SAME_STEP:
@@ -182,13 +181,13 @@ class _WorldsVectorEnv(VectorEnv):
     def _note_ends(self, over: np.ndarray) -> None:
         self._over, self._any_over = over, np.count_nonzero(over) > 0
 
-    def _begin_next(self, chosen: np.ndarray) -> None:
-        self._episodes[chosen] += 1
-        self._begin(chosen)
+    def _begin_next(self, chosen: np.ndarray, outcome: Outcome) -> None:
+        self._episodes += chosen
+        self._begin(chosen, outcome)
 
-    def _begin(self, chosen: np.ndarray) -> None:
+    def _begin(self, chosen: np.ndarray, outcome: Outcome) -> None:
         assert self._seeds is not None
-        self._process.begin(self._seeds, self._episodes, chosen)
+        self._process.begin(self._seeds, self._episodes, chosen, outcome)
         self._screen.forget(chosen)
 
     def _info(self, numbers: np.ndarray, chosen: np.ndarray) -> dict[str, Any]:

@@ -13,8 +13,8 @@ from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.scenarios import Explicit, explicit
 from hav_env.simulator.batch import begin_worlds, check_placed, check_seed
-from hav_env.simulator.transition import begin
-from hav_env.world.arrays import ARTICULATION, SPEED, STEERING
+from hav_env.simulator.beginning import begin
+from hav_env.world.arrays import ARTICULATION, SEED, SPEED, STEERING
 
 _HERE = np.ones(1, np.bool_)
 _WRITABLE = ("lengths", "start", "goals")  # options that are written into a world
@@ -130,11 +130,12 @@ class SingleWorld:
         """
         self._key = plan.key
         keys = np.array([plan.key], np.int64).T
-        self.process.begin(keys[0], keys[1], _HERE)
+        self.process.begin(keys[0], keys[1], _HERE, self._outcome)
         if plan.written is not None:
             batch = self.process.batch
-            begin(plan.written, batch.task, batch.worlds, 0, *plan.key)
-        self.process.observe_worlds(_HERE, self._outcome)
+            batch.worlds.state.clock[SEED:, 0] = plan.key
+            begin(plan.written, batch.task, batch.worlds, np.empty(1, np.bool_))
+            self.process.observe_worlds(_HERE, self._outcome)
         self.screen.forget(_HERE)
         return self._sight
 
@@ -157,8 +158,8 @@ class SingleWorld:
         batch, scenario = self.process.batch, self.process.batch.scenario
         # the episode is drawn beside the world, which stays as it is until all has been checked
         worlds, placed = copy.deepcopy(batch.worlds), np.zeros(1, np.bool_)
-        keys = np.array([key], np.int64).T
-        begin_worlds(1, scenario, batch.task, worlds, keys[0], keys[1], placed, threads=1)
+        worlds.state.clock[SEED:, 0] = key
+        begin_worlds(1, scenario, batch.task, worlds, placed, threads=1)
         check_placed(placed, scenario)
         state, fleet, goals = worlds.state, worlds.fleet, worlds.goals
         drawn = {

@@ -116,8 +116,7 @@ class HAVVecEnv(VecEnv):
             infos[w * self.process.num_havs + agent] = info
 
     def _begin(self, chosen: np.ndarray, outcome: Outcome) -> None:
-        self.process.begin(self._keys[0], self._keys[1], chosen)
-        self.process.observe_worlds(chosen, outcome)
+        self.process.begin(self._keys[0], self._keys[1], chosen, outcome)
         self.screen.forget(chosen)
 
     def arrays(self) -> dict[str, np.ndarray]:

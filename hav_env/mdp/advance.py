@@ -60,30 +60,45 @@ SCRATCH = "buffers.terms", "buffers.columns", "buffers.scratch"
 
 
 def allocate_buffers(
-    num_havs: int, controlled: int, num_worlds: int, num_terms: int, num_columns: int
+    num_worlds: int, num_havs: int, controlled: int, num_terms: int, num_columns: int, slots: int
 ) -> Buffers:
     """Return buffers.
 
     Args:
+        num_worlds: W.
         num_havs: N.
         controlled: C.
-        num_worlds: W.
         num_terms: T, of the reward.
         num_columns: D, of the observation.
+        slots: how many threads may use the scratch at a time.
     """
-    c, w, ranges = controlled, num_worlds, -(-num_worlds // VECTOR)
+    n, c, w = num_havs, controlled, num_worlds
     return Buffers(
-        np.zeros((2, num_havs, w)),
+        np.zeros((2, n, w)),
         np.zeros((c, w)),
         np.zeros((c, BEFORE_SIZE, w)),
         np.zeros((num_terms, c, w)),
-        np.zeros((ranges, num_terms, c, min(w, APART))),
-        np.zeros((ranges, num_columns, APART), np.float32),
+        np.zeros((slots, num_terms, c, min(w, APART))),
+        np.zeros((slots, num_columns, APART), np.float32),
         Scratch(
-            np.zeros((ranges, SCRATCH_ROWS, APART), np.float32),
-            np.zeros((ranges, CHAIN_ROWS, APART)),
+            np.zeros((slots, SCRATCH_ROWS, APART), np.float32),
+            np.zeros((slots, CHAIN_ROWS, APART)),
         ),
     )
+
+
+def outcome_layout(
+    num_worlds: int, controlled: int, columns: int, numbers: int
+) -> list[tuple[tuple[int, ...], type]]:
+    """Return shape and type of every array of an ``Outcome``: W, C, D and K of them."""
+    w, c = num_worlds, controlled
+    return [
+        ((w, c, columns), np.float32),
+        ((numbers, c, w), np.float64),
+        ((c, w), np.float64),
+        ((w,), np.bool_),
+        ((w,), np.bool_),
+    ]
 
 
 class Portion(NamedTuple):
@@ -201,11 +216,32 @@ def observe_worlds(first, last, observation, worlds, buffers, chosen, outcome):
     for w in range(first, last):
         if chosen[w]:
             world = block_of(worlds, w, 1, worlds.units)
-            block, result = _buffers_from(buffers, w, first // VECTOR), _outcome_from(outcome, w)
-            for agent in range(outcome.info.shape[1]):
-                plan_route(world, agent, block.scratch, block.remaining)
-                _write_outcome(observation, world, agent, block, result)
-                _report(world, agent, block, result)
+            observe_block(observation, world, buffers, w, first // VECTOR, outcome)
+
+
+@kernel
+def observe_block(observation, world, buffers, start, slot, outcome):
+    """Write what is seen in a block of worlds in which no action has just been taken.
+
+    Rewards are zero, and nothing has ended.
+
+    Args:
+        observation: settled for the number of HAVs.
+        world: the block.
+        buffers: of all worlds.
+        start: the first of them that is in the block.
+        slot: which of the buffers' columns this thread may use.
+        outcome: of all worlds, to be written.
+    """
+    block, result = _buffers_from(buffers, start, slot), _outcome_from(outcome, start)
+    for agent in range(result.info.shape[1]):
+        plan_route(world, agent, block.scratch, block.remaining)
+        _write_outcome(observation, world, agent, block, result)
+        _report(world, agent, block, result)
+        for lane in range(world.lanes):
+            result.reward[agent, lane] = 0.0
+    for lane in range(world.lanes):
+        result.terminated[lane] = result.truncated[lane] = False
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import Any, Literal, TypedDict
 
 import numpy as np
 
-from hav_env.compiled import canonical, default_threads, share_out
+from hav_env.compiled import VECTOR, canonical, default_threads, share_out
 from hav_env.mdp.advance import (
     SCRATCH,
     Actions,
@@ -19,6 +19,7 @@ from hav_env.mdp.advance import (
     outcome_size,
 )
 from hav_env.mdp.array_pool import Recycler
+from hav_env.mdp.beginning import allocate_stage, begin_episodes
 from hav_env.mdp.info import REPORT
 from hav_env.mdp.reward import REWARDS, Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward
@@ -28,7 +29,7 @@ from hav_env.models.quantities import Skipped
 from hav_env.observation import Observation, check_observation, name_columns, settle
 from hav_env.policies.driver import PolicyDriver
 from hav_env.scenarios.presets import scenario_of
-from hav_env.simulator.batch import Batch, begin_worlds, check_placed
+from hav_env.simulator.batch import Batch, check_placed
 from hav_env.vehicles import VEHICLES, OnAxle
 from hav_env.world.task import Task, check_at_once, set_rules
 
@@ -125,8 +126,9 @@ class DecisionProcess:
         driver = None if others is None else PolicyDriver(others, self.batch, c)
         self._driver = driver if c < n else None  # nobody is left to be driven
         self._reward = canonical(reward)
-        self._buffers = allocate_buffers(n, c, w, len(reward), len(self.columns))
-        self._compiled: Any = None
+        sizes = n, c, len(reward), len(self.columns)
+        self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR))
+        self._compiled: dict[str, Any] = {}  # entries, by name
         self._recycler = Recycler(
             [((w, c, len(self.columns)), np.float32), ((len(self.info), c, w), np.float64)]
         )
@@ -135,10 +137,11 @@ class DecisionProcess:
         self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
         self._all_begun = False
         self._threads = min(threads or default_threads(), max(1, c * w // _HAVS_PER_THREAD))
+        self._stage = allocate_stage(self.batch, self._threads, sizes, len(self.info))
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what is compiled: a copy asks for it again."""
-        return self.__dict__ | {"_compiled": None}
+        return self.__dict__ | {"_compiled": {}}
 
     def set_reward(self, reward: Any) -> None:
         """Change the weights of the reward from the next action on.
@@ -157,38 +160,36 @@ class DecisionProcess:
         self.always = always
         self._portions = divide_action(self.frame_skip, self._driver is not None, always)
 
-    def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
-        """Begin episodes in the worlds that are chosen.
+    def begin(
+        self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray, outcome: Outcome
+    ) -> None:
+        """Begin episodes in the worlds that are chosen, and write what is seen there.
 
         Args:
             seeds: (W,) int64; those of the chosen worlds count.
             episodes: (W,) int64, their numbers; likewise.
             chosen: (W,) bool.
+            outcome: written for the chosen worlds: no reward, no end.
 
         Raises:
             PlacementError: when a world has no room for its HAVs; it then has no episode.
         """
-        self._begun &= ~chosen
-        self._all_begun = False
-        self._buffers.returns[..., chosen] = 0.0
+        places = np.flatnonzero(chosen)
+        placed = np.zeros(places.size, np.bool_)
+        self._begun[places] = self._all_begun = False
         if self._driver is not None:
             self._driver.forget(chosen)
-        placed = ~chosen
+        batch = self.batch
+        models = batch.scenario, batch.task, self.observation
+        arrays = batch.worlds, self._buffers, outcome, self._stage
+        keys = (np.ascontiguousarray(numbers, np.int64) for numbers in (seeds, episodes))
+        args = *models, *arrays, np.zeros(1, np.int64), places, *keys, placed
         try:
-            begin_worlds(
-                self.num_worlds,
-                self.batch.scenario,
-                self.batch.task,
-                self.batch.worlds,
-                seeds,
-                episodes,
-                placed,
-                threads=self._threads,
-            )
+            self._run(begin_episodes, places.size, args)
         finally:  # an interrupt comes when all worlds are done
-            self._begun |= chosen & placed
-            self._all_begun = bool(self._begun.all())
-        check_placed(placed, self.batch.scenario)
+            self._begun[places] = placed
+            self._all_begun = np.count_nonzero(self._begun) == self.num_worlds
+        check_placed(placed, batch.scenario)
 
     def require_episodes(self, use: str) -> None:
         """Raise RuntimeError unless every world has an episode, naming what needs it."""
@@ -203,22 +204,9 @@ class DecisionProcess:
         )
 
     def observe_worlds(self, chosen: np.ndarray, outcome: Outcome) -> None:
-        """Write what is seen in the worlds (W,) that are chosen, whose episodes have just begun.
-
-        Rewards are zero, and nothing has ended.
-        """
-        observe_worlds(
-            self.num_worlds,
-            self.observation,
-            self.batch.worlds,
-            self._buffers,
-            chosen,
-            outcome,
-            threads=self._threads,
-        )
-        outcome.info[len(REPORT) :, :, chosen] = self._buffers.returns[..., chosen]
-        outcome.reward[:, chosen] = 0.0
-        outcome.terminated[chosen] = outcome.truncated[chosen] = False
+        """Write what is seen in the worlds (W,) that are chosen: no reward, no end."""
+        args = self.observation, self.batch.worlds, self._buffers, chosen, outcome
+        observe_worlds(self.num_worlds, *args, threads=self._threads)
 
     def step(self, actions: np.ndarray, outcome: Outcome | None = None) -> Outcome:
         """Take one action in every world.
@@ -249,13 +237,18 @@ class DecisionProcess:
             if self._driver is not None:
                 self._buffers.command[:] = self._driver.decide()
             args = *models, batch.worlds, self._buffers, told, portion, outcome
-            if self._compiled is None:
-                self._compiled = advance_worlds.prepare(*args)
-            if self._threads == 1:  # there is nothing to share out
-                self._compiled(0, self.num_worlds, *args)
-            else:
-                share_out(self._compiled, self.num_worlds, args, self._threads)
+            self._run(advance_worlds, self.num_worlds, args)
         return outcome
+
+    def _run(self, loop: Any, count: int, args: tuple) -> None:
+        """Run an entry over worlds; the types of its arguments are always the same."""
+        name = loop.__name__
+        if name not in self._compiled:
+            self._compiled[name] = loop.prepare(*args)
+        if self._threads == 1:  # there is nothing to share out
+            self._compiled[name](0, count, *args)
+        else:
+            share_out(self._compiled[name], count, args, self._threads)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return the arrays of the worlds and of what is kept from action to action, by name."""

@@ -1,19 +1,16 @@
-"""This module steps a block of worlds, and begins and ends their episodes.
+"""This module steps a block of worlds, and ends their episodes.
 
 It is the whole transition of the decision process: motion, events, goals, time.
 """
 
 from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.geometry import clip
-from hav_env.scenarios import populate
 from hav_env.vehicles import move
 from hav_env.world.arrays import (
     ACTUAL,
-    EPISODE,
     JACKKNIFE,
     PHASE,
     REMOVED,
-    SEED,
     SPEED,
     STEERING,
     STEP,
@@ -22,7 +19,7 @@ from hav_env.world.arrays import (
     is_removed,
 )
 from hav_env.world.continuous_collision import note_axles
-from hav_env.world.events import clear_record, record_collisions, record_motion
+from hav_env.world.events import record_collisions, record_motion
 from hav_env.world.goals import assign_goal, record_approach
 from hav_env.world.lanes import block_of, moving_block
 from hav_env.world.neighborhood import find_nearby
@@ -30,28 +27,6 @@ from hav_env.world.task import ALONE, END, REMOVE
 
 # x of the first removed HAV and the distance from one to the next [m]
 _REMOVED_X, _REMOVED_SPACING = 1e13, 1e8
-
-
-@kernel
-def begin(scenario, task, world, lane, seed, episode):
-    """Start an episode in one lane; return whether the scenario found room for its HAVs."""
-    state = world.state
-    state.clock[SEED, lane], state.clock[EPISODE, lane] = seed, episode
-    state.clock[STEP, lane] = 0
-    state.speed[..., lane] = 0.0
-    state.steering[..., lane] = 0.0
-    state.ahead[..., lane] = 0.0
-    clear_record(world.record, lane)
-    placed = populate(scenario, world, lane)
-    for agent in range(state.x.shape[0]):
-        assign_goal(world, agent, lane, 0)
-    alone = block_of(world, lane, 1, world.units)
-    if task.continuous_collisions:
-        for agent in range(state.x.shape[0]):
-            note_axles(alone, agent)
-    find_nearby(task, alone)
-    record_collisions(task, alone)
-    return placed
 
 
 @kernel

@@ -23,8 +23,7 @@ def made(num_worlds=1, **settings):
     """Return a process of worlds whose first episodes have begun."""
     process = DecisionProcess(num_worlds, **settings)
     seeds, everywhere = np.arange(num_worlds), np.ones(num_worlds, np.bool_)
-    process.begin(seeds, np.zeros(num_worlds, np.int64), everywhere)
-    process.observe_worlds(everywhere, process.outcome())
+    process.begin(seeds, np.zeros(num_worlds, np.int64), everywhere, process.outcome())
     return process
 
 

@@ -206,8 +206,7 @@ def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, front
         task=Task(sensing_range=RANGE),
     )
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()
-    process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere)
-    process.observe_worlds(everywhere, told)
+    process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere, told)
     most, rng = process.batch.scenario.max_trailers, np.random.default_rng(3)
     for _ in range(budget(12, 2)):
         for w in range(num_worlds):
@@ -267,8 +266,7 @@ def test_columns_take_the_signs_that_their_bounds_allow():
     num_worlds = budget(400, 20)
     process = DecisionProcess(num_worlds, num_havs=5, task=Task(sensing_range=500.0))
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()
-    process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere)
-    process.observe_worlds(everywhere, told)
+    process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere, told)
     rows = told.observation.reshape(-1, len(process.columns))
     turns_and_places = ("bearing", "goal_heading", "path_turn", "r_heading")
     columns = list_columns(process.observation, process.batch.scenario.max_trailers)
@@ -284,8 +282,7 @@ def test_columns_take_the_signs_that_their_bounds_allow():
 def test_sines_and_cosines_of_a_row_are_of_one_angle():
     process = DecisionProcess(4, scenario="swarm-10")
     everywhere, told = np.ones(4, np.bool_), process.outcome()
-    process.begin(np.arange(4), np.zeros(4, np.int64), everywhere)
-    process.observe_worlds(everywhere, told)
+    process.begin(np.arange(4), np.zeros(4, np.int64), everywhere, told)
     rows = dict(
         zip(process.columns, told.observation.reshape(-1, len(process.columns)).T, strict=True)
     )
