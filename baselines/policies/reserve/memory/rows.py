@@ -129,16 +129,17 @@ NUM_UNARRIVED = _next()  # count of others in slots that have not arrived at the
 # The layout of a slot, in rows from its first one.
 SLOT_KIND = 0  # state of the other HAV: STANDING or RESERVED
 SLOT_FRAME = 1  # frame of its outline in the own frame: x [m], y [m], cosine, sine
-SLOT_BROADCAST_OUTLINE = 5  # extents of its outline in its frame [m]
-SLOT_CLOSE = 5  # flag of one that stands and so has no broadcast outline: its chain is close
-SLOT_OUTLINE = SLOT_BROADCAST_OUTLINE + SIDES  # extents of its outline in the own frame [m]
+SLOT_BROADCAST_OUTLINE = 5  # extents of its outline in its frame [m], if it has reserved that
+SLOT_AXLES = 5  # x and y of each of its axles, if it stands [m]
+_SLOT_PLACE = max(SIDES, 2 * (MAX_UNITS + 1))  # rows for either of both
+SLOT_OUTLINE = 5 + _SLOT_PLACE  # extents of its outline in the own frame [m]
 SLOT_NUM_AXLES = SLOT_OUTLINE + SIDES  # count of its axles if it stands
 SLOT_NUMBER = SLOT_NUM_AXLES + 1  # its number
 SLOT_ERROR = SLOT_NUM_AXLES + 2  # largest error of its sensed position [m], >= 0
 SLOT_SAG = SLOT_NUM_AXLES + 3  # its largest sag if it stands and then begins to move [m]
 SLOT_STRIDE = SLOT_NUM_AXLES + 4  # its largest stride if it stands and then begins to move [m]
-SLOT_AXLES = SLOT_NUM_AXLES + 5  # x and y of each of its axles if it stands [m]
-SLOT_ROWS = SLOT_AXLES + 2 * (MAX_UNITS + 1)  # number of rows of a slot
+SLOT_CLOSE = SLOT_NUM_AXLES + 5  # flag: it stands, and its chain is close
+SLOT_ROWS = SLOT_NUM_AXLES + 6  # number of rows of a slot
 
 FIRST_SLOT = _next(SLOT_COUNT * SLOT_ROWS)
 
