@@ -1,17 +1,13 @@
 """This module tests and records events: jackknifes and collisions."""
 
-import math
-
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.world.arrays import (
     ACTUAL,
     ARTICULATION,
     FEW,
-    HIT_STEP,
     JACKKNIFE,
     LARGEST,
-    MISS_COUNT,
     MOVED,
     NEVER,
     PATH,
@@ -23,17 +19,6 @@ from hav_env.world.arrays import (
 from hav_env.world.collision import actual_collision, boxes_overlap, potential_collision
 from hav_env.world.continuous_collision import collision_between
 from hav_env.world.task import records
-
-
-@kernel
-def clear_record(record, lane):
-    """Forget everything: the episode begins."""
-    record.first[..., lane] = NEVER
-    record.total[..., lane] = 0.0
-    record.goal[..., lane] = math.nan
-    record.goal[:, :, HIT_STEP, lane] = NEVER
-    record.miss[..., lane] = math.nan
-    record.miss[:, :, :, MISS_COUNT, lane] = 0.0
 
 
 @kernel
