@@ -1,7 +1,5 @@
 """This module tests and records events: jackknifes and collisions."""
 
-import math
-
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.world.arrays import (
@@ -9,11 +7,9 @@ from hav_env.world.arrays import (
     ARTICULATION,
     CLOSE,
     HIGHER,
-    HIT_STEP,
     JACKKNIFE,
     LARGEST,
     LOWER,
-    MISS_COUNT,
     MOVED,
     NEVER,
     PATH,
@@ -32,17 +28,6 @@ from hav_env.world.collision import (
 from hav_env.world.continuous_collision import box_of_way, collision_between, may_meet
 from hav_env.world.neighborhood import in_range
 from hav_env.world.task import records
-
-
-@kernel
-def clear_record(record, lane):
-    """Forget everything: the episode begins."""
-    record.first[..., lane] = NEVER
-    record.total[..., lane] = 0.0
-    record.goal[..., lane] = math.nan
-    record.goal[:, :, HIT_STEP, lane] = NEVER
-    record.miss[..., lane] = math.nan
-    record.miss[:, :, :, MISS_COUNT, lane] = 0.0
 
 
 @kernel
