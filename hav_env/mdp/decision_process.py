@@ -7,7 +7,7 @@ from typing import Any, Literal, TypedDict
 
 import numpy as np
 
-from hav_env.compiled import canonical, default_threads, share_out
+from hav_env.compiled import Held, canonical, default_threads, share_out
 from hav_env.mdp.advance import (
     SCRATCH,
     Actions,
@@ -127,6 +127,7 @@ class DecisionProcess:
         self._reward = canonical(reward)
         self._buffers = allocate_buffers(n, c, w, len(reward), len(self.columns))
         self._compiled: Any = None
+        self._held: tuple[Held, ...] = ()  # made when it is needed
         self._recycler = Recycler(
             [((w, c, len(self.columns)), np.float32), ((len(self.info), c, w), np.float64)]
         )
@@ -138,7 +139,7 @@ class DecisionProcess:
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what is compiled: a copy asks for it again."""
-        return self.__dict__ | {"_compiled": None}
+        return self.__dict__ | {"_compiled": None, "_held": ()}
 
     def set_reward(self, reward: Any) -> None:
         """Change the weights of the reward from the next action on.
@@ -151,11 +152,13 @@ class DecisionProcess:
         if type(reward) is not type(self._reward):
             raise TypeError(f"reward is {reward!r}, but must be a {type(self._reward).__name__}")
         self._reward = canonical(reward)
+        self._held = ()
 
     def report(self, always: bool) -> None:
         """Report on every world after every action, or only on those whose episodes end."""
         self.always = always
         self._portions = divide_action(self.frame_skip, self._driver is not None, always)
+        self._held = ()
 
     def begin(self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray) -> None:
         """Begin episodes in the worlds that are chosen.
@@ -243,12 +246,10 @@ class DecisionProcess:
         none = self._no_actions
         single = actions.itemsize == _SINGLE
         told = Actions(actions, none.double) if single else Actions(none.single, actions)
-        batch = self.batch
-        models = batch.task, batch.vehicle, self._reward, self.observation
-        for portion in self._portions:
+        for held in self._held or self._hold():
             if self._driver is not None:
                 self._buffers.command[:] = self._driver.decide()
-            args = *models, batch.worlds, self._buffers, told, portion, outcome
+            args = held, told, outcome
             if self._compiled is None:
                 self._compiled = advance_worlds.prepare(*args)
             if self._threads == 1:  # there is nothing to share out
@@ -256,6 +257,14 @@ class DecisionProcess:
             else:
                 share_out(self._compiled, self.num_worlds, args, self._threads)
         return outcome
+
+    def _hold(self) -> tuple[Held, ...]:
+        """Return what stays the same from step to step, for each portion of an action."""
+        models = self.batch.task, self.batch.vehicle, self._reward, self.observation
+        self._held = tuple(
+            Held(*models, self.batch.worlds, self._buffers, portion) for portion in self._portions
+        )
+        return self._held
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return the arrays of the worlds and of what is kept from action to action, by name."""
