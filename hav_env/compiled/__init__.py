@@ -7,6 +7,7 @@ calls an ``entry``. Entries alone are cached on disk, and spread their worlds ov
 
 from hav_env.compiled.digests import Code, classes_in, digest_code
 from hav_env.compiled.entries import canonical, entry
+from hav_env.compiled.held import Held, arguments_of
 from hav_env.compiled.instructions import (
     TILE_SIDE,
     bits_of,
@@ -20,7 +21,7 @@ from hav_env.compiled.instructions import (
     take,
     transpose_tile,
 )
-from hav_env.compiled.kernels import generic, kernel, rare_kernel
+from hav_env.compiled.kernels import generic, kernel, loop_kernel, rare_kernel
 from hav_env.compiled.precision import in_single, single
 from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
 
@@ -28,6 +29,8 @@ __all__ = [
     "TILE_SIDE",
     "VECTOR",
     "Code",
+    "Held",
+    "arguments_of",
     "bits_of",
     "canonical",
     "classes_in",
@@ -42,6 +45,7 @@ __all__ = [
     "in_single",
     "kernel",
     "lanes_from",
+    "loop_kernel",
     "of_width",
     "rare_kernel",
     "run_on_threads",

@@ -107,7 +107,7 @@ class HAVSwarmEnv(_WorldEnv):
         super().__init__(world, JointView(world.process, team_reward, flatten))
 
     def _info(self, seen: Sight) -> dict[str, Any]:
-        return dict(zip(self._world.process.info, seen.info.copy(), strict=True))
+        return self._world.name_numbers(seen.info.copy())
 
 
 class HAVSingleEnv(_WorldEnv):
@@ -140,4 +140,4 @@ class HAVSingleEnv(_WorldEnv):
         super().__init__(world, EgoView(world.process))
 
     def _info(self, seen: Sight) -> dict[str, Any]:
-        return dict(zip(self._world.process.info, *seen.rows.tolist(), strict=True))
+        return self._world.name_numbers(*seen.rows.tolist())

@@ -111,7 +111,9 @@ class _WorldsVectorEnv(VectorEnv):
             apart = map(np.empty_like, (reward, terminated, truncated))
             self._begin_next(self._over, Outcome(observation, numbers, *apart))
         if process.always:
-            info |= self._info(numbers, np.ones(self.num_envs, np.bool_))
+            everywhere = np.empty(self.num_envs, np.bool_)
+            everywhere.fill(True)
+            info |= self._info(numbers, everywhere)
         elif self._any_over and mode != AutoresetMode.SAME_STEP:
             info = self._info(np.where(self._over, numbers, 0.0), self._over.copy())
         rewards = self._view.rewards(reward)

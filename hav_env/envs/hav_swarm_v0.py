@@ -75,7 +75,6 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         self._removes, self._always = process.batch.task.on_goal == REMOVE, process.always
         if self._removes:
             process.report(always=True)  # an agent may end alone
-        self._blank = dict.fromkeys(process.info, 0.0)  # a copy is filled faster than a new one
         self.np_random, _ = seeding.np_random()
 
     def observation_space(self, agent: str) -> spaces.Box:
@@ -200,11 +199,8 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
             raise ValueError(f"there is no action for {missing}")
 
     def _infos(self, seen: Sight) -> dict[str, dict[str, float]]:
-        names, infos = self._world.process.info, {}
-        for agent, row in zip(self.possible_agents, seen.rows.tolist(), strict=True):
-            infos[agent] = info = self._blank.copy()
-            info.update(zip(names, row, strict=True))
-        return infos
+        named = map(self._world.name_numbers, seen.rows.tolist())
+        return dict(zip(self.possible_agents, named, strict=True))
 
     def state(self) -> np.ndarray:
         """Return what is the case in the whole world, in its own frame: see ``CentralState``.

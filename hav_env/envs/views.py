@@ -70,11 +70,11 @@ class JointView:
         """Return (W,) of (N, W); one HAV is added after the other, whatever W is."""
         if self.team_reward == "min":
             return reward.min(axis=0)
-        total = reward[0].copy()
-        for own in reward[1:]:
+        total = reward[0] + reward[1] if len(reward) > 1 else reward[0].copy()
+        for own in reward[2:]:
             total += own
         if self.team_reward == "mean":
-            total /= len(reward)
+            total /= float(len(reward))
         return total
 
     def reward(self, reward: list[float]) -> float:

@@ -4,7 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, entry, kernel, lanes_from, of_width
+from hav_env.compiled import (
+    VECTOR,
+    arguments_of,
+    entry,
+    kernel,
+    lanes_from,
+    loop_kernel,
+    of_width,
+)
 from hav_env.maths.geometry import clip
 from hav_env.mdp.info import REPORT, write_report
 from hav_env.mdp.reward import BEFORE_SIZE, WAITED, note_before, reward_terms
@@ -158,8 +166,35 @@ def _outcome_from(outcome, start):
 
 
 @entry
-def advance_worlds(
-    first, last, task, vehicle, reward, observation, worlds, buffers, actions, portion, outcome
+def advance_worlds(first, last, held, actions, outcome):
+    """Take (a part of) one action in each of a range of worlds.
+
+    Args:
+        first: world of the range.
+        last: the world after the range.
+        held: task, vehicle, reward, observation, worlds, buffers and portion, as of ``_advance``.
+        actions: ``Actions`` of all worlds, cut.
+        outcome: of all worlds; written where the action closes.
+    """
+    task, vehicle, reward, observation, worlds, buffers, portion = arguments_of(held)
+    _advance(
+        first,
+        last,
+        task,
+        vehicle,
+        reward,
+        observation,
+        worlds,
+        buffers,
+        portion,
+        actions,
+        outcome,
+    )
+
+
+@loop_kernel
+def _advance(
+    first, last, task, vehicle, reward, observation, worlds, buffers, portion, actions, outcome
 ):
     """Take (a part of) one action in each of a range of worlds, and write what it led to.
 
@@ -172,8 +207,8 @@ def advance_worlds(
         observation: settled for the number of HAVs.
         worlds: the arrays of all worlds.
         buffers: of all worlds.
-        actions: ``Actions`` of all worlds, cut.
         portion: a ``Portion``: which part of the action.
+        actions: ``Actions`` of all worlds, cut.
         outcome: of all worlds; written where the action closes.
     """
     duration, controlled = task.dt * portion.steps, outcome.info.shape[1]

@@ -7,7 +7,7 @@ from typing import Any, Literal, TypedDict
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, canonical, default_threads, share_out
+from hav_env.compiled import VECTOR, Held, canonical, default_threads, share_out
 from hav_env.mdp.advance import (
     SCRATCH,
     Actions,
@@ -129,6 +129,7 @@ class DecisionProcess:
         sizes = n, c, len(reward), len(self.columns)
         self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR))
         self._compiled: dict[str, Any] = {}  # entries, by name
+        self._held: tuple[Held, ...] = ()  # made when it is needed
         self._recycler = Recycler(
             [((w, c, len(self.columns)), np.float32), ((len(self.info), c, w), np.float64)]
         )
@@ -141,7 +142,7 @@ class DecisionProcess:
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what is compiled: a copy asks for it again."""
-        return self.__dict__ | {"_compiled": {}}
+        return self.__dict__ | {"_compiled": {}, "_held": ()}
 
     def set_reward(self, reward: Any) -> None:
         """Change the weights of the reward from the next action on.
@@ -154,11 +155,13 @@ class DecisionProcess:
         if type(reward) is not type(self._reward):
             raise TypeError(f"reward is {reward!r}, but must be a {type(self._reward).__name__}")
         self._reward = canonical(reward)
+        self._held = ()
 
     def report(self, always: bool) -> None:
         """Report on every world after every action, or only on those whose episodes end."""
         self.always = always
         self._portions = divide_action(self.frame_skip, self._driver is not None, always)
+        self._held = ()
 
     def begin(
         self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray, outcome: Outcome
@@ -231,13 +234,10 @@ class DecisionProcess:
         none = self._no_actions
         single = actions.itemsize == _SINGLE
         told = Actions(actions, none.double) if single else Actions(none.single, actions)
-        batch = self.batch
-        models = batch.task, batch.vehicle, self._reward, self.observation
-        for portion in self._portions:
+        for held in self._held or self._hold():
             if self._driver is not None:
                 self._buffers.command[:] = self._driver.decide()
-            args = *models, batch.worlds, self._buffers, told, portion, outcome
-            self._run(advance_worlds, self.num_worlds, args)
+            self._run(advance_worlds, self.num_worlds, (held, told, outcome))
         return outcome
 
     def _run(self, loop: Any, count: int, args: tuple) -> None:
@@ -249,6 +249,14 @@ class DecisionProcess:
             self._compiled[name](0, count, *args)
         else:
             share_out(self._compiled[name], count, args, self._threads)
+
+    def _hold(self) -> tuple[Held, ...]:
+        """Return what stays the same from step to step, for each portion of an action."""
+        models = self.batch.task, self.batch.vehicle, self._reward, self.observation
+        self._held = tuple(
+            Held(*models, self.batch.worlds, self._buffers, portion) for portion in self._portions
+        )
+        return self._held
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return the arrays of the worlds and of what is kept from action to action, by name."""
