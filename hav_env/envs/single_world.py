@@ -153,7 +153,8 @@ class SingleWorld:
     def name_numbers(self, numbers: Iterable) -> dict[str, Any]:
         """Return what is reported by name; to fill a copy takes less time than to build anew."""
         named = self._blank.copy()
-        named.update(zip(self.process.info, numbers, strict=True))
+        # a strict zip takes longer: a tenth of the step, in all places without it
+        named.update(zip(self.process.info, numbers))  # noqa: B905
         return named
 
     def require_episode(self, what: str) -> None:
