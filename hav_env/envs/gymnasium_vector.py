@@ -13,7 +13,7 @@ from hav_env.envs.screen import RENDER_FPS, Screen
 from hav_env.envs.views import EgoView, JointView, Team
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.actions import take_actions
-from hav_env.mdp.advance import Outcome
+from hav_env.mdp.buffers import Outcome
 from hav_env.mdp.decision_process import DecisionProcess, Settings
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Worlds

@@ -4,44 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import (
-    VECTOR,
-    arguments_of,
-    entry,
-    kernel,
-    lanes_from,
-    loop_kernel,
-    of_width,
-)
+from hav_env.compiled import VECTOR, arguments_of, entry, kernel, loop_kernel
 from hav_env.maths.geometry import clip
+from hav_env.mdp.buffers import buffers_from, outcome_from
 from hav_env.mdp.info import REPORT, write_report
-from hav_env.mdp.reward import BEFORE_SIZE, WAITED, note_before, reward_terms
-from hav_env.observation import (
-    CHAIN_ROWS,
-    SCRATCH_ROWS,
-    Scratch,
-    observe,
-    plan_route,
-    write_rows,
-)
+from hav_env.mdp.reward import WAITED, note_before, reward_terms
+from hav_env.observation import observe, plan_route, write_rows
 from hav_env.simulator.transition import late, remove_arrived, step, terminated
-from hav_env.world.lanes import APART, OBSERVED_LANES, block_of
+from hav_env.world.lanes import OBSERVED_LANES, block_of
 from hav_env.world.sensing import limits
-
-
-class Outcome(NamedTuple):
-    """The outcome of an action; the first C of the N HAVs of a world are controlled."""
-
-    observation: np.ndarray  # (W, C, D) float32
-    info: np.ndarray  # (K, C, W) the report, then the returns so far by term; see ``Portion``
-    reward: np.ndarray  # (C, W)
-    terminated: np.ndarray  # (W,) bool
-    truncated: np.ndarray  # (W,) bool
-
-
-def outcome_size(controlled: int, columns: int, numbers: int) -> int:
-    """Return how many bytes of one world all take that telling of it needs at a time."""
-    return controlled * (2 * 4 * columns + 4 * 8 * numbers)
 
 
 class Actions(NamedTuple):
@@ -49,64 +20,6 @@ class Actions(NamedTuple):
 
     single: np.ndarray  # (W, C, 2) float32 from -1 to 1, or (0, C, 2)
     double: np.ndarray  # (W, C, 2) from -1 to 1, or (0, C, 2)
-
-
-class Buffers(NamedTuple):
-    """Arrays that last from action to action, and scratch."""
-
-    command: np.ndarray  # (2, N, W) speed [m/s], steering [rad]
-    remaining: np.ndarray  # (C, W) Dubins length to the goal [m]
-    before: np.ndarray  # (C, BEFORE_SIZE, W)
-    returns: np.ndarray  # (T, C, W) sums of the weighted terms since the episode began
-    terms: np.ndarray  # (ranges, T, C, at most APART) of the reward, without weights
-    columns: np.ndarray  # (ranges, D, APART) float32
-    scratch: Scratch  # each of its arrays likewise
-
-
-# arrays of scratch by name: they mean nothing from one action to the next
-SCRATCH = "buffers.terms", "buffers.columns", "buffers.scratch"
-
-
-def allocate_buffers(
-    num_worlds: int, num_havs: int, controlled: int, num_terms: int, num_columns: int, slots: int
-) -> Buffers:
-    """Return buffers.
-
-    Args:
-        num_worlds: W.
-        num_havs: N.
-        controlled: C.
-        num_terms: T, of the reward.
-        num_columns: D, of the observation.
-        slots: how many threads may use the scratch at a time.
-    """
-    n, c, w = num_havs, controlled, num_worlds
-    return Buffers(
-        np.zeros((2, n, w)),
-        np.zeros((c, w)),
-        np.zeros((c, BEFORE_SIZE, w)),
-        np.zeros((num_terms, c, w)),
-        np.zeros((slots, num_terms, c, min(w, APART))),
-        np.zeros((slots, num_columns, APART), np.float32),
-        Scratch(
-            np.zeros((slots, SCRATCH_ROWS, APART), np.float32),
-            np.zeros((slots, CHAIN_ROWS, APART)),
-        ),
-    )
-
-
-def outcome_layout(
-    num_worlds: int, controlled: int, columns: int, numbers: int
-) -> list[tuple[tuple[int, ...], type]]:
-    """Return shape and type of every array of an ``Outcome``: W, C, D and K of them."""
-    w, c = num_worlds, controlled
-    return [
-        ((w, c, columns), np.float32),
-        ((numbers, c, w), np.float64),
-        ((c, w), np.float64),
-        ((w,), np.bool_),
-        ((w,), np.bool_),
-    ]
 
 
 class Portion(NamedTuple):
@@ -134,35 +47,6 @@ def divide_action(frame_skip: int, driven: bool, reports: bool) -> tuple[Portion
         return (Portion(True, frame_skip, True, reports),)
     last = frame_skip - 1
     return tuple(Portion(k == 0, 1, k == last, reports) for k in range(frame_skip))
-
-
-@kernel
-def _buffers_from(buffers, start, slot):
-    """Return the buffers of the worlds from ``start`` on."""
-    return Buffers(
-        lanes_from(buffers.command, start),
-        lanes_from(buffers.remaining, start),
-        lanes_from(buffers.before, start),
-        lanes_from(buffers.returns, start),
-        buffers.terms[slot],
-        of_width(buffers.columns[slot], APART),
-        Scratch(
-            of_width(buffers.scratch.rows[slot], APART),
-            of_width(buffers.scratch.chain[slot], APART),
-        ),
-    )
-
-
-@kernel
-def _outcome_from(outcome, start):
-    """Return the outcome of the worlds from ``start`` on."""
-    return Outcome(
-        outcome.observation[start:],
-        lanes_from(outcome.info, start),
-        lanes_from(outcome.reward, start),
-        lanes_from(outcome.terminated, start),
-        lanes_from(outcome.truncated, start),
-    )
 
 
 @entry
@@ -215,8 +99,8 @@ def _advance(
     for start in range(first, last, OBSERVED_LANES):
         world = block_of(worlds, start, min(OBSERVED_LANES, last - start), worlds.units)
         block, result = (
-            _buffers_from(buffers, start, first // VECTOR),
-            _outcome_from(outcome, start),
+            buffers_from(buffers, start, first // VECTOR),
+            outcome_from(outcome, start),
         )
         for agent in range(controlled):
             if actions.single.shape[0] > 0:
@@ -268,7 +152,7 @@ def observe_block(observation, world, buffers, start, slot, outcome):
         slot: which of the buffers' columns this thread may use.
         outcome: of all worlds, to be written.
     """
-    block, result = _buffers_from(buffers, start, slot), _outcome_from(outcome, start)
+    block, result = buffers_from(buffers, start, slot), outcome_from(outcome, start)
     for agent in range(result.info.shape[1]):
         plan_route(world, agent, block.scratch, block.remaining)
         _write_outcome(observation, world, agent, block, result)
@@ -327,7 +211,7 @@ def _report_ends(worlds, buffers, outcome, start, lanes):
     for w in range(start, start + lanes):
         if outcome.terminated[w] | outcome.truncated[w]:
             world = block_of(worlds, w, 1, worlds.units)
-            block, result = _buffers_from(buffers, w, 0), _outcome_from(outcome, w)
+            block, result = buffers_from(buffers, w, 0), outcome_from(outcome, w)
             for agent in range(outcome.info.shape[1]):
                 _report(world, agent, block, result)
 

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hav_env.compiled import VECTOR, entry, kernel, lanes_from, take
-from hav_env.mdp.advance import Buffers, Outcome, allocate_buffers, observe_block, outcome_layout
+from hav_env.mdp.advance import observe_block
+from hav_env.mdp.buffers import Buffers, Outcome, allocate_buffers, outcome_layout
 from hav_env.simulator.batch import Batch, worlds_for
 from hav_env.simulator.beginning import begin, copy_rows, put_worlds
 from hav_env.world.arrays import EPISODE, SEED, World

@@ -8,18 +8,10 @@ from typing import Any, Literal, TypedDict
 import numpy as np
 
 from hav_env.compiled import VECTOR, Held, canonical, default_threads, share_out
-from hav_env.mdp.advance import (
-    SCRATCH,
-    Actions,
-    Outcome,
-    advance_worlds,
-    allocate_buffers,
-    divide_action,
-    observe_worlds,
-    outcome_size,
-)
+from hav_env.mdp.advance import Actions, advance_worlds, divide_action, observe_worlds
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.beginning import allocate_stage, begin_episodes
+from hav_env.mdp.buffers import SCRATCH, Outcome, allocate_buffers, outcome_size
 from hav_env.mdp.info import REPORT
 from hav_env.mdp.reward import REWARDS, Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward

@@ -8,7 +8,7 @@ from hav_env.world.arrays import FOOTPRINT
 from hav_env.world.chain import axle_behind, front_axle
 
 # more than rounding moves the axles of chains, even 1e13 m from the origin [m]
-ROUNDING = 0.1
+AXLE_ROUNDING = 0.1
 
 
 @kernel

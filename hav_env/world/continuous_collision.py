@@ -9,7 +9,7 @@ import math
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import segments_intersect
 from hav_env.world.chain import axle_behind, front_axle
-from hav_env.world.collision import ROUNDING, box_of, reach, squared_distance, within
+from hav_env.world.collision import AXLE_ROUNDING, box_of, reach, squared_distance, within
 
 
 @rare_kernel
@@ -96,7 +96,7 @@ def _was(world, agent, axle, lane):
 @kernel
 def may_meet(world, agent, other, lane):
     """Tell whether two HAVs are so near that their chains may have met since the step before."""
-    limit = ROUNDING
+    limit = AXLE_ROUNDING
     for hav in (agent, other):
         x, y = _was(world, hav, 1, lane)
         way_x, way_y = world.state.x[hav, lane] - x, world.state.y[hav, lane] - y

@@ -26,7 +26,7 @@ from hav_env.world.arrays import (
     ROW,
     as_place,
 )
-from hav_env.world.collision import ROUNDING, circle_radius, reach, squared_distance, within
+from hav_env.world.collision import AXLE_ROUNDING, circle_radius, reach, squared_distance, within
 
 # of the longest radius of a world: wider lists hold more candidates, narrower ones hold less long
 _MARGIN = 0.1
@@ -59,7 +59,7 @@ def find_nearby(task, world):
             _append(world, other, agent, lane, near)
             circles = circle_radius(task, world.fleet, agent, lane)
             circles += circle_radius(task, world.fleet, other, lane)
-            pair[place, CLOSE] = 1 if within(squared, max(reaches, circles) + ROUNDING) else 0
+            pair[place, CLOSE] = 1 if within(squared, max(reaches, circles) + AXLE_ROUNDING) else 0
 
 
 @kernel
