@@ -114,7 +114,7 @@ def put_worlds(block, worlds, places):
             _clear_misses(miss, agent, phase, kind, places[lane])
 
 
-@kernel
+@rare_kernel
 def copy_rows(block, worlds, places, lanes):
     """Copy lanes of an array to their places in the array of all worlds, row by row."""
     for index in np.ndindex(block.shape[:-1]):
