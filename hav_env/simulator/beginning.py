@@ -122,7 +122,7 @@ def _put_neighbors(block, worlds, places):
                 theirs[agent, k] = own[agent, k]
 
 
-@kernel
+@rare_kernel
 def copy_rows(block, worlds, places, lanes):
     """Copy lanes of an array to their places in the array of all worlds, row by row."""
     for index in np.ndindex(block.shape[:-1]):
