@@ -14,7 +14,7 @@ from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI, clip
 
-RUNNING, SURVIVED, FAILED = 0.0, 1.0, -1.0  # results of a trial
+RUNNING, SURVIVED, DROPPED = 0.0, 1.0, -1.0  # results of a trial
 
 _SEGMENTS = 3  # of a path that is tried: most
 _ROUGH_STEPS = 2.0  # steps at a time while arcs are measured: the path is predicted exactly later
@@ -111,7 +111,7 @@ def _measure_turns(rows):
         running = 0
         for lane in range(TRIALS):
             turned, result = rows[m.TRIAL_HEADING + lane], rows[m.TRIAL_RESULT + lane]
-            result = FAILED if rows[m.TRIAL_LEAST + lane] < bound else result
+            result = DROPPED if rows[m.TRIAL_LEAST + lane] < bound else result
             further = turned + rows[m.TRIAL_LENGTHS + lane]
             turned = further if result == RUNNING else turned
             result = SURVIVED if (result == RUNNING) & (turned >= TWO_PI) else result
@@ -124,7 +124,7 @@ def empty_trials(rows):
     """End all trials, and let those that begin do so with the own chain as it is now."""
     sense_chain(rows)
     for lane in range(TRIALS):
-        rows[m.TRIAL_RESULT + lane] = FAILED
+        rows[m.TRIAL_RESULT + lane] = DROPPED
 
 
 @rare_kernel
@@ -168,7 +168,7 @@ def _steer_trials(rows, distance, most):
         ended = rows[m.TRIAL_DRIVEN + lane] > rows[m.TRIAL_TOTAL + lane]
         missed = ended & (rows[m.TRIAL_BEYOND + lane] == 0.0)
         result = rows[m.TRIAL_RESULT + lane]
-        rows[m.TRIAL_RESULT + lane] = FAILED if (result == RUNNING) & missed else result
+        rows[m.TRIAL_RESULT + lane] = DROPPED if (result == RUNNING) & missed else result
         rows[m.TRIAL_HEADING + lane] += turn
         rows[m.TRIAL_TURN + lane] = turn
 
@@ -199,7 +199,7 @@ def _judge_trials(policy, rows):
         driven = 0.0 if beyond & (not was_beyond) else driven
         result = rows[m.TRIAL_RESULT + lane]
         done = beyond & (last | (driven >= straight))
-        ended = FAILED if rows[m.TRIAL_LEAST + lane] < bound else SURVIVED if done else RUNNING
+        ended = DROPPED if rows[m.TRIAL_LEAST + lane] < bound else SURVIVED if done else RUNNING
         result = ended if result == RUNNING else result
         rows[m.TRIAL_BEYOND + lane] = 1.0 if beyond else 0.0
         rows[m.TRIAL_DRIVEN + lane], rows[m.TRIAL_RESULT + lane] = driven, result
