@@ -109,7 +109,8 @@ def test_what_cannot_be_held_is_named():
 
 def begun(process):
     worlds = process.num_worlds
-    process.begin(np.arange(worlds), np.zeros(worlds, np.int64), np.ones(worlds, np.bool_))
+    everywhere, numbers = np.ones(worlds, np.bool_), np.zeros(worlds, np.int64)
+    process.begin(np.arange(worlds), numbers, everywhere, process.outcome())
     return process
 
 

@@ -198,11 +198,11 @@ def test_nothing_is_written_of_worlds_that_go_on(frame_skip, controlled):
         for info in ("always", "ends")
     ]
     for process in processes:
-        process.begin(np.arange(5), np.zeros(5, np.int64), np.ones(5, np.bool_))
+        process.begin(np.arange(5), np.zeros(5, np.int64), np.ones(5, np.bool_), process.outcome())
     for process in processes:  # a second episode, whose end comes later
         process.step(np.zeros((5, process.num_controlled, 2)))
         late = np.array([False, True, False, False, True])
-        process.begin(np.arange(5), np.ones(5, np.int64), late)
+        process.begin(np.arange(5), np.ones(5, np.int64), late, process.outcome())
     written = 0
     for _ in range(9):
         outcomes = []

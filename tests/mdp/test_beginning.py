@@ -13,11 +13,11 @@ SCRATCH = {
     "worlds.state.ahead",
     "worlds.nearby.index",  # its first ``count`` are compared
     "worlds.nearby.grid",
-    "worlds.nearby.place",
+    "worlds.nearby.circle",  # a list of candidates holds for any HAVs in its circles
+    "worlds.nearby.num_pairs",
+    "worlds.nearby.pair",
     "buffers.command",
     "buffers.before",
-    "buffers.route",
-    "buffers.columns",
 }
 
 
@@ -25,7 +25,7 @@ def kept(process, outcome):
     """Return all that a world is from step to step, and all that was told of it, world first."""
     arrays = process.arrays()
     found = {name: np.moveaxis(arrays[name], -1, 0) for name in set(arrays) - SCRATCH}
-    neighbors = np.moveaxis(arrays["worlds.nearby.index"], -1, 0)
+    neighbors = arrays["worlds.nearby.index"]
     near = np.arange(neighbors.shape[2]) < found["worlds.nearby.count"][..., None]
     found["neighbors"] = np.where(near, neighbors, -1)
     told = outcome._asdict()
