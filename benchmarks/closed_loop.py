@@ -108,15 +108,33 @@ class Version:
 
     def rate(self, name: str, threads: int, share: float) -> float:
         """Return ``rate`` as measured there."""
+        self.ask(name, threads, share)
+        return self.answer()
+
+    def ask(self, name: str, threads: int, share: float) -> None:
+        """Let it measure ``rate``; do not wait for the answer."""
         assert self._process.stdin is not None
-        assert self._process.stdout is not None
         self._process.stdin.write(json.dumps([name, threads, share]) + "\n")
         self._process.stdin.flush()
+
+    def answer(self) -> float:
+        """Return what it measured when it was asked last."""
+        assert self._process.stdout is not None
         return float(self._process.stdout.readline())
 
     def close(self) -> None:
         """End it."""
         self._process.communicate()
+
+
+def rate_of_both(versions: tuple[Version, Version], name: str, share: float) -> float:
+    """Return the sum of what two processes reach at the same time, each on one thread.
+
+    They share nothing but the machine: two threads of one process can hardly reach more.
+    """
+    for version in versions:
+        version.ask(name, 1, share)
+    return sum(version.answer() for version in versions)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,13 @@ from typing import Annotated, NamedTuple
 import tyro
 from rich.console import Console
 
-from benchmarks.closed_loop import FIVE_TRAILERS, NO_POLICY, WORKLOADS, Version
+from benchmarks.closed_loop import (
+    FIVE_TRAILERS,
+    NO_POLICY,
+    WORKLOADS,
+    Version,
+    rate_of_both,
+)
 from benchmarks.interfaces import fresh_process
 from benchmarks.interfaces.peers import missing_packages, peer_rates
 from benchmarks.tables import by_row, new_table, rate_text, ratio_text
@@ -39,7 +45,9 @@ _TRAILERS = {"1 trailer": 1, "5 trailers": 5, "10 trailers": 10, _MIX: None}
 class Figures(NamedTuple):
     """The figures of one run of the benchmark, HAV-steps/s but for the last three."""
 
-    closed_loop: dict[str, dict[str, float]]  # row -> "1 thread", "2 threads", "scalar"
+    closed_loop: dict[
+        str, dict[str, float]
+    ]  # row -> "1 thread", "2 threads", "2 processes", "scalar"
     limits: dict[str, dict[str, float]]  # trailers -> "kinematics", "C++ kinematics", "C++ ..."
     peers: dict[str, float]  # agent-steps/s
     first_start: float | None  # [s] to a finished experiment on an empty cache
@@ -69,12 +77,14 @@ def scalar_version() -> Iterator[Version | None]:
 def measure_closed_loop(repetitions: int, share: float) -> dict[str, dict[str, float]]:
     """Measure the workloads, by this version and the scalar one, and the yardsticks."""
     runs: dict[tuple[str, str], Callable[[], float]] = {}
-    now = Version(str(_ROOT))
+    now, beside = Version(str(_ROOT)), Version(str(_ROOT))
     with scalar_version() as scalar:
         for name in (*WORKLOADS, NO_POLICY):
             now.rate(name, 1, 0.0)  # compiles
+            beside.rate(name, 1, 0.0)
             runs[name, "1 thread"] = lambda n=name: now.rate(n, 1, share)
             runs[name, "2 threads"] = lambda n=name: now.rate(n, 2, share)
+            runs[name, "2 processes"] = lambda n=name: rate_of_both((now, beside), n, share)
             if scalar:
                 scalar.rate(name, 1, 0.0)
                 less = share * _SCALAR_SHARE
@@ -83,6 +93,7 @@ def measure_closed_loop(repetitions: int, share: float) -> dict[str, dict[str, f
             runs[name, "1 thread"] = lambda d=drive: _yardstick_rate(d)
         rates = by_row(medians_in_turns(runs, repetitions))
     now.close()
+    beside.close()
     return rates
 
 
@@ -120,11 +131,12 @@ def show(figures: Figures) -> None:
     """Print the figures as tables and lines."""
     console = Console(width=110)
     plain, arrays = (figures.closed_loop[name]["1 thread"] for name in (PLAIN, ARRAYS))
-    columns = "1 thread", "2 threads", "2 : 1", "scalar", ": scalar"
+    columns = "1 thread", "2 threads", "2 : 1", "2 processes : 1", "scalar", ": scalar"
     table = new_table("closed loop, HAV-steps/s (HAVs that wait do not count)", "what", *columns)
     for name, rates in figures.closed_loop.items():
         one, two, scalar = (rates.get(c) for c in ("1 thread", "2 threads", "scalar"))
-        cells = rate_text(one), rate_text(two), ratio_text(two, one)
+        both = rates.get("2 processes")
+        cells = rate_text(one), rate_text(two), ratio_text(two, one), ratio_text(both, one)
         table.add_row(name, *cells, rate_text(scalar), ratio_text(one, scalar))
     console.print(table)
     like = figures.closed_loop[FIVE_TRAILERS]["1 thread"]

@@ -58,5 +58,6 @@ def settings_of(arguments: Exercise, threads: int | None = None) -> Settings:
         "vehicle": arguments.vehicle,
         "reward": arguments.reward,
         "frame_skip": arguments.frame_skip,
+        "info": "ends",
         "task": Task(max_steps=arguments.max_steps, on_jackknife="end", on_collision="end"),
     }

@@ -11,8 +11,10 @@ from hav_env.compiled import VECTOR, kernel
 from hav_env.mdp.advance import to_command
 from hav_env.models.quantities import Skipped, Trailers
 from hav_env.observation import (
-    ROUTE_SIZE,
+    CHAIN_ROWS,
+    SCRATCH_ROWS,
     Observation,
+    Scratch,
     name_columns,
     observe,
     plan_route,
@@ -54,10 +56,13 @@ class Network(NamedTuple):
     none, all columns are read in their order."""
 
 
-# A HAV remembers its command [m/s, rad]. While it decides, it also holds its route, the lanes in
-# which to decide, and the inputs. Behind them stand the columns of the observation, and once these
-# have been read, two areas for the layers by turns.
-_PATH_LEFT, _HELD_SPEED, _HELD_STEERING, _DUE, _INPUTS = range(ROUTE_SIZE, ROUTE_SIZE + 5)
+# A HAV remembers its command [m/s, rad]. While it decides, it also holds what is worked out of its
+# observation, the lanes in which to decide, and the inputs. Behind them stand the columns of the
+# observation, and once these have been read, two areas for the layers by turns.
+_CHAIN = SCRATCH_ROWS
+_PATH_LEFT, _HELD_SPEED, _HELD_STEERING, _DUE, _INPUTS = range(
+    SCRATCH_ROWS + CHAIN_ROWS, SCRATCH_ROWS + CHAIN_ROWS + 5
+)
 
 
 def pack_layers(layers: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
@@ -206,10 +211,11 @@ def follow_network(policy, memory, world, agent, speed, steering):
     rows = memory[agent]
     due = _list_due(policy, rows, world, agent)
     if due > 0:
-        plan_route(world, agent, memory, memory[:, _PATH_LEFT])
+        scratch = Scratch(rows[:_CHAIN], rows[_CHAIN:])
+        plan_route(world, agent, scratch, memory[:, _PATH_LEFT])
         inputs = rows[_INPUTS : _INPUTS + policy.sizes[0]]
         columns = rows[_INPUTS + policy.sizes[0] :]
-        observe(policy.observation, world, agent, memory, columns)
+        observe(policy.observation, world, agent, scratch, columns)
         padded = min((due + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
         _gather(policy, rows, columns, inputs, due, padded)
         normalize(policy, inputs, padded)

@@ -18,6 +18,7 @@ from benchmarks.interfaces.empty import EmptyParallelEnv, make_empty
 
 SWARM, SINGLE, SB3 = "HAVSwarm-v0", "HAVSingle-v0", "HAVVecEnv"
 HAVS = {SWARM: 2, SINGLE: 1}
+ENDS = ', info="ends"'  # of the names of environments that report at ends alone
 SHORT = 100  # steps of the episodes whose resets are to be felt
 MPE_STEPS = 25  # of an episode of MPE's simple_spread
 FEW_WORLDS = 1_024  # below, no second thread is woken
@@ -49,7 +50,8 @@ def vector_rows(num_worlds: Iterable[int], singles: Iterable[int], rows: int) ->
         singles: numbers of worlds of the environments of a single HAV.
         rows: number of worlds of the one for Stable-Baselines3, if that is installed.
     """
-    counts = [(SWARM, w) for w in num_worlds] + [(SINGLE, w) for w in singles]
+    counts = [(name, w) for name in (SWARM, SWARM + ENDS) for w in num_worlds]
+    counts += [(SINGLE, w) for w in singles]
     if importlib.util.find_spec("stable_baselines3"):
         counts.append((SB3, rows))
     return [
@@ -63,13 +65,16 @@ def vector_rows(num_worlds: Iterable[int], singles: Iterable[int], rows: int) ->
 
 def prepare_vector_row(row: Vector) -> Run:
     """Return what measures a vector environment."""
-    rules = {} if row.max_steps is None else {"max_steps": row.max_steps}
+    rules: dict = {} if row.max_steps is None else {"max_steps": row.max_steps}
     if row.name == SB3:
         from hav_env.envs.stable_baselines3 import HAVVecEnv  # noqa: PLC0415  (optional)
 
         return prepare_rows(HAVVecEnv(row.num_worlds, threads=row.threads, **rules))
-    env = gym.make_vec(f"hav_env:{row.name}", num_envs=row.num_worlds, threads=row.threads, **rules)
-    return prepare_vector(env, HAVS[row.name], row.max_steps)
+    name = row.name.removesuffix(ENDS)
+    if name != row.name:
+        rules["info"] = "ends"
+    env = gym.make_vec(f"hav_env:{name}", num_envs=row.num_worlds, threads=row.threads, **rules)
+    return prepare_vector(env, HAVS[name], row.max_steps)
 
 
 def prepare_singles() -> dict[str, Run]:
@@ -77,11 +82,13 @@ def prepare_singles() -> dict[str, Run]:
     runs = {
         PARALLEL: prepare_parallel(hav_env.parallel_env()),
         PARALLEL_SHORT: prepare_parallel(hav_env.parallel_env(max_cycles=MPE_STEPS)),
+        PARALLEL + ENDS: prepare_parallel(hav_env.parallel_env(info="ends")),
         PARALLEL_EMPTY: prepare_parallel(EmptyParallelEnv(hav_env.parallel_env())),
     }
     for name, num_havs in HAVS.items():
         like = f"hav_env:{name}"
         runs[made(name)] = prepare_single(gym.make(like), num_havs)
+        runs[made(name) + ENDS] = prepare_single(gym.make(like, info="ends"), num_havs)
         runs[empty(name)] = prepare_single(make_empty(like), num_havs)
     return runs
 

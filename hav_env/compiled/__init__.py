@@ -7,13 +7,30 @@ calls an ``entry``. Entries alone are cached on disk, and spread their worlds ov
 
 from hav_env.compiled.digests import Code, classes_in, digest_code
 from hav_env.compiled.entries import canonical, entry
-from hav_env.compiled.instructions import bits_of, contiguous, fixed, float_of, fma, lanes_from
-from hav_env.compiled.kernels import generic, kernel, rare_kernel
+from hav_env.compiled.held import Held, arguments_of
+from hav_env.compiled.instructions import (
+    TILE_SIDE,
+    bits_of,
+    contiguous,
+    fixed,
+    float_of,
+    fma,
+    lanes_from,
+    of_width,
+    split_power,
+    take,
+    transpose_tile,
+)
+from hav_env.compiled.kernels import generic, kernel, loop_kernel, rare_kernel
+from hav_env.compiled.precision import in_single, single
 from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
 
 __all__ = [
+    "TILE_SIDE",
     "VECTOR",
     "Code",
+    "Held",
+    "arguments_of",
     "bits_of",
     "canonical",
     "classes_in",
@@ -25,9 +42,16 @@ __all__ = [
     "float_of",
     "fma",
     "generic",
+    "in_single",
     "kernel",
     "lanes_from",
+    "loop_kernel",
+    "of_width",
     "rare_kernel",
     "run_on_threads",
     "share_out",
+    "single",
+    "split_power",
+    "take",
+    "transpose_tile",
 ]

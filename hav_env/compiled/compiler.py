@@ -53,11 +53,15 @@ class RarePart(Part):
         super().add_ir_module(ir_module)
 
 
+class LoopPart(RarePart):
+    """The code of the loop of an entry that hands on what is held."""
+
+
 def compiler_into(library_class: type) -> type:
     """Return Numba's compiler, but for where the code goes.
 
-    Arrays are taken to lie apart (``noalias``): no two arguments of an entry may overlap where one
-    is written. Otherwise every loop would begin by asking.
+    Arrays are taken to lie apart (``noalias``): no two arguments of a loop may overlap where one
+    is written. Otherwise every loop inside would begin by asking.
     """
 
     @register_pass(mutates_CFG=False, analysis_only=True)
@@ -70,7 +74,7 @@ def compiler_into(library_class: type) -> type:
         def run_pass(self, state):
             state.library = library_class(state.targetctx.codegen(), state.func_id.func_qualname)
             state.library.enable_object_caching()
-            state.flags.noalias = library_class is Whole
+            state.flags.noalias = library_class in (Whole, LoopPart)
             return False
 
     class Compiler(CompilerBase):

@@ -31,7 +31,7 @@ _ASIDE = (
 _HAS_DOCSTRING = 0x4000000  # flag CO_HAS_DOCSTRING of Python 3.14
 _DEEPEST = 4  # modules in modules, as in a.b.c.function
 # how kernels are compiled: a change here changes all compiled code
-_MACHINERY = ("compiler.py", "instructions.py", "kernels.py")
+_MACHINERY = ("compiler.py", "held.py", "instructions.py", "kernels.py", "precision.py")
 
 
 class Code(NamedTuple):

@@ -24,6 +24,7 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from hav_env.compiled.digests import Code, digest_code
+from hav_env.compiled.held import HeldType
 
 _log = logging.getLogger(__name__)
 _UNFINISHED = ".unfinished"
@@ -128,7 +129,9 @@ def _classes_in(kinds: Iterable[Any]) -> set[type]:
     """Return the classes of the named tuples among types of Numba, inner ones among them."""
     found: set[type] = set()
     for kind in kinds:
-        if isinstance(kind, numba.types.BaseTuple):
+        if isinstance(kind, HeldType):
+            found |= _classes_in(kind.arguments)
+        elif isinstance(kind, numba.types.BaseTuple):
             found |= _classes_in(kind)
             if hasattr(kind, "instance_class"):
                 found.add(kind.instance_class)
@@ -140,6 +143,8 @@ def describe_type(kind: Any) -> str:
 
     Numba's name of a named tuple tells neither its module nor its fields.
     """
+    if isinstance(kind, HeldType):
+        return f"Held{describe_type(kind.arguments)}"
     if not isinstance(kind, numba.types.BaseTuple):
         return str(kind)
     fields = getattr(kind, "fields", range(len(kind)))

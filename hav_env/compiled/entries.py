@@ -15,6 +15,7 @@ from hav_env.compiled.cache_folder import find_home
 from hav_env.compiled.digests import classes_in, digest_code
 from hav_env.compiled.disk_cache import DiskCache
 from hav_env.compiled.errors import explain
+from hav_env.compiled.held import Held
 from hav_env.compiled.kernels import ENTERED
 from hav_env.compiled.threads import default_threads, share_out
 from hav_env.models.annotations import kinds_of, split_range
@@ -113,14 +114,15 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
     Raises:
         TypeError: when Numba cannot compile a model's code, naming file and line.
     """
-    kinds = (id(loop), *map(type, args))
+    plain = [part for arg in args for part in (arg.arguments if isinstance(arg, Held) else (arg,))]
+    kinds = (id(loop), *map(type, plain))
     if kinds in _ready or not hasattr(loop, "compile"):
         return
     signature = _signature(args)
     with _compiling:
         cache = loop._cache
         if not (isinstance(cache, DiskCache) and cache.holds(signature, loop.targetctx)):
-            _announce(loop.py_func, args)
+            _announce(loop.py_func, plain)
         try:
             loop.compile(signature)
         except NumbaError as error:
@@ -130,7 +132,7 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
         _ready.add(kinds)
 
 
-def _announce(function: Callable, args: tuple) -> None:
+def _announce(function: Callable, args: list) -> None:
     """Say what is compiled, for which models, and about how long that takes."""
     code = digest_code([function], classes_in(*args))
     seconds = code.size / _PER_SECOND

@@ -4,27 +4,39 @@ import ctypes
 import math
 import os
 import struct
+import threading
 from collections.abc import Callable
 
 import numba
+import numpy as np
 from llvmlite import ir
 from numba.core import cgutils
 from numba.extending import lower_builtin, type_callable
 
+TILE_SIDE = 16  # float32 of a vector of 512 bits
+_SQRT_HALF = math.sqrt(0.5)
 
-def _find_fma() -> Callable:
-    if hasattr(math, "fma"):  # from Python 3.13 on
-        return math.fma
-    function = ctypes.CDLL("ucrtbase" if os.name == "nt" else None).fma
-    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * 3
+
+def _find_in_libm(name: str, kind: type) -> Callable:
+    """Return a function of the C library that takes and returns floats of one kind."""
+    function = getattr(ctypes.CDLL("ucrtbase" if os.name == "nt" else None), name)
+    function.restype, function.argtypes = kind, [kind] * 3
     return function
 
 
-_fma = _find_fma()
+# math.fma is there from Python 3.13 on
+_fma = getattr(math, "fma", None) or _find_in_libm("fma", ctypes.c_double)
+_fma_of_singles = _find_in_libm("fmaf", ctypes.c_float)
+_counting = threading.Lock()
 
 
 def fma(x, y, z):
-    """Return x * y + z, rounded once: one instruction, the same on all machines."""
+    """Return x * y + z, rounded once: one instruction, the same on all machines.
+
+    It is a float32 if all three are.
+    """
+    if type(x) is type(y) is type(z) is np.float32:
+        return np.float32(_fma_of_singles(x, y, z))
     return _fma(x, y, z)
 
 
@@ -38,6 +50,30 @@ def float_of(bits):
     return struct.unpack("<d", struct.pack("<Q", bits & 0xFFFFFFFFFFFFFFFF))[0]
 
 
+def split_power(x):
+    """Return k and m of x = 2**k m with m from sqrt(1/2) to sqrt(2), both floats of the type of x.
+
+    x must be positive and normal.
+    """
+    kind, real, whole, fraction = (
+        (np.float32, "<f", "<i", 23) if type(x) is np.float32 else (float, "<d", "<q", 52)
+    )
+    bits, half = (struct.unpack(whole, struct.pack(real, y))[0] for y in (x, _SQRT_HALF))
+    power = (bits - half) >> fraction
+    (mantissa,) = struct.unpack(real, struct.pack(whole, bits - (power << fraction)))
+    return kind(power), kind(mantissa)
+
+
+def transpose_tile(columns, column, lane, rows, row, place):
+    """Write rows[row + i, place + j] = columns[column + j, lane + i] for i, j below ``TILE_SIDE``.
+
+    Both arrays are of float32. Compiled, a whole tile stays in registers: reading along one axis
+    and writing along the other would move one number at a time.
+    """
+    tile = columns[column : column + TILE_SIDE, lane : lane + TILE_SIDE]
+    rows[row : row + TILE_SIDE, place : place + TILE_SIDE] = tile.T
+
+
 def lanes_from(array, first):
     """Return ``array[..., first:]`` as an array of the same type.
 
@@ -45,6 +81,15 @@ def lanes_from(array, first):
     not be touched.
     """
     return array[..., first:]
+
+
+def of_width(array, width):
+    """Return an array of two axes, the last of which is ``width`` long, as one known to be that.
+
+    The width must be a constant. Compiled code then knows how far rows lie apart, and that lanes of
+    one do not overlap with those of another; where it asks instead, it soon gives up vectors.
+    """
+    return array
 
 
 def contiguous(row):
@@ -65,17 +110,98 @@ def fixed(row):
     return row
 
 
-type_callable(fma)(lambda context: lambda x, y, z: numba.float64)
+def take(counter):
+    """Return the number in an array of one, and count on: each thread gets another one."""
+    with _counting:
+        taken = counter[0]
+        counter[0] = taken + 1
+    return taken
+
+
+type_callable(fma)(lambda context: _type_fma)
+type_callable(split_power)(lambda context: lambda x: numba.types.UniTuple(x, 2))
+type_callable(transpose_tile)(
+    lambda context: lambda columns, column, lane, rows, row, place: numba.types.none
+)
 type_callable(bits_of)(lambda context: lambda value: numba.int64)
 type_callable(float_of)(lambda context: lambda bits: numba.float64)
 type_callable(lanes_from)(lambda context: lambda array, first: array)
+type_callable(of_width)(lambda context: lambda array, width: array)
 type_callable(contiguous)(lambda context: lambda row: row.copy(layout="C"))
 type_callable(fixed)(lambda context: lambda row: numba.int64)
+type_callable(take)(lambda context: lambda counter: numba.int64)
+
+
+def _type_fma(x, y, z):
+    return numba.float32 if x == y == z == numba.float32 else numba.float64
 
 
 @lower_builtin(fma, numba.types.Float, numba.types.Float, numba.types.Float)
 def _lower_fma(context, builder, signature, arguments):
-    return builder.fma(*arguments)
+    kind = signature.return_type
+    pairs = zip(arguments, signature.args, strict=True)
+    return builder.fma(*(context.cast(builder, value, given, kind) for value, given in pairs))
+
+
+@lower_builtin(split_power, numba.types.Float)
+def _lower_split_power(context, builder, signature, arguments):
+    (x,), (kind,) = arguments, signature.args
+    size, fraction = (32, 23) if kind == numba.float32 else (64, 52)
+    whole, real = ir.IntType(size), x.type
+    bits = builder.bitcast(x, whole)
+    half = builder.bitcast(real(_SQRT_HALF), whole)
+    power = builder.ashr(builder.sub(bits, half), whole(fraction))
+    mantissa = builder.bitcast(builder.sub(bits, builder.shl(power, whole(fraction))), real)
+    # added to 1.5 * 2**fraction, a whole number stands in the lowest bits: unlike the conversion of
+    # 64 bits, AVX2 has this for vectors
+    rounder = real(1.5 * 2.0**fraction)
+    shifted = builder.add(builder.bitcast(rounder, whole), power)
+    exponent = builder.fsub(builder.bitcast(shifted, real), rounder)
+    return context.make_tuple(builder, signature.return_type, (exponent, mantissa))
+
+
+@lower_builtin(
+    transpose_tile,
+    *(numba.types.Array, numba.types.Integer, numba.types.Integer),
+    *(numba.types.Array, numba.types.Integer, numba.types.Integer),
+)
+def _lower_transpose_tile(context, builder, signature, arguments):
+    word, half = ir.IntType(64), ir.IntType(32)
+    vector = ir.VectorType(ir.FloatType(), TILE_SIDE)
+
+    def places(first: int):
+        """Give the addresses of the tile's rows in an array."""
+        given = arguments[first], signature.args[first]
+        view = cgutils.create_struct_proxy(given[1])(context, builder, given[0])
+        across, along = cgutils.unpack_tuple(builder, view.strides)
+        start = builder.ptrtoint(view.data, word)
+        start = builder.add(start, builder.mul(arguments[first + 1], across))
+        start = builder.add(start, builder.mul(arguments[first + 2], along))
+        for k in range(TILE_SIDE):
+            address = builder.add(start, builder.mul(across, word(k)))
+            yield builder.inttoptr(address, vector.as_pointer())
+
+    rows = [builder.load(place, align=4) for place in places(0)]
+    distance = 1
+    while distance < TILE_SIDE:  # exchanges blocks over the diagonal
+        own, other = [], []
+        for j in range(TILE_SIDE):
+            own.append(TILE_SIDE + j - distance if j & distance else j)
+            other.append(TILE_SIDE + j if j & distance else j + distance)
+        masks = [
+            ir.Constant(ir.VectorType(half, TILE_SIDE), [half(j) for j in order])
+            for order in (own, other)
+        ]
+        for i in range(TILE_SIDE):
+            if not i & distance:
+                pair = rows[i], rows[i + distance]
+                rows[i], rows[i + distance] = (
+                    builder.shuffle_vector(*pair, mask) for mask in masks
+                )
+        distance *= 2
+    for row, place in zip(rows, places(3), strict=True):
+        builder.store(row, place, align=4)
+    return context.get_dummy_value()
 
 
 @lower_builtin(bits_of, numba.types.Float)
@@ -100,6 +226,19 @@ def _lower_lanes_from(context, builder, signature, arguments):
     return view._getvalue()
 
 
+@lower_builtin(of_width, numba.types.Array, numba.types.Integer)
+def _lower_of_width(context, builder, signature, arguments):
+    given = signature.args[0]
+    if given.layout != "C" or given.ndim != 2:
+        return arguments[0]
+    view = cgutils.create_struct_proxy(given)(context, builder, arguments[0])
+    height, _ = cgutils.unpack_tuple(builder, view.shape)
+    view.shape = cgutils.pack_array(builder, [height, arguments[1]])
+    apart = builder.mul(arguments[1], view.itemsize)
+    view.strides = cgutils.pack_array(builder, [apart, view.itemsize])
+    return view._getvalue()
+
+
 @lower_builtin(contiguous, numba.types.Array)
 def _lower_contiguous(context, builder, signature, arguments):
     (given,) = signature.args
@@ -115,3 +254,10 @@ def _lower_contiguous(context, builder, signature, arguments):
 def _lower_fixed(context, builder, signature, arguments):
     word = ir.IntType(64)
     return builder.asm(ir.FunctionType(word, [word]), "", "=r,0", arguments, side_effect=False)
+
+
+@lower_builtin(take, numba.types.Array)
+def _lower_take(context, builder, signature, arguments):
+    view = cgutils.create_struct_proxy(signature.args[0])(context, builder, arguments[0])
+    one = ir.Constant(ir.IntType(64), 1)
+    return builder.atomic_rmw("add", view.data, one, "monotonic")

@@ -6,7 +6,7 @@ from typing import Any
 
 from numba.extending import overload
 
-from hav_env.compiled.compiler import Part, RarePart, Whole, compiler_into
+from hav_env.compiled.compiler import LoopPart, Part, RarePart, Whole, compiler_into
 from hav_env.compiled.digests import KERNELS
 
 # Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
@@ -21,6 +21,7 @@ _CALLED = _KERNEL_OPTIONS | {
 _INLINED = _CALLED | {"forceinline": True}
 # said, for otherwise Numba takes over what holds for the caller
 _RARE = _CALLED | {"forceinline": False, "pipeline_class": compiler_into(RarePart)}
+_LOOP = _RARE | {"pipeline_class": compiler_into(LoopPart)}
 
 
 def kernel(function: Callable) -> Callable:
@@ -39,6 +40,17 @@ def rare_kernel(function: Callable) -> Callable:
     """Let a function be compiled, but called: what seldom happens need not be repeated."""
     KERNELS[function] = "called"
     overload(function, strict=False, jit_options=_RARE)(lambda *args: function)
+    return function
+
+
+def loop_kernel(function: Callable) -> Callable:
+    """Let a function be the loop of an entry that hands on what is ``Held``.
+
+    Addresses that are read from a table may be those of one array, for all that LLVM knows. As
+    arguments of a function of its own, the arrays are taken to lie apart.
+    """
+    KERNELS[function] = "loop"
+    overload(function, strict=False, jit_options=_LOOP)(lambda *args: function)
     return function
 
 

@@ -137,12 +137,23 @@ def _helpers(process: int, threads: int) -> queue.SimpleQueue:
     return waiting
 
 
-def run_on_threads(function: Callable, items: Iterable, threads: int | None = None) -> list:
+def run_on_threads(
+    function: Callable,
+    items: Iterable,
+    threads: int | None = None,
+    stop: Callable[[], None] | None = None,
+) -> list:
     """Return ``[function(item) for item in items]``, computed on threads as they become free.
 
     Worth it when the function spends its time in entries, which it must call with ``threads=1``.
     Two threads that write into neighbouring elements of an array wait for each other, so each item
     should have arrays of its own.
+
+    Args:
+        function: what to compute, on any thread.
+        items: its arguments.
+        threads: by default ``default_threads()``.
+        stop: is called in the end, also after an interrupt: it lets what still runs end early.
     """
     threads = threads or default_threads()
     if threads == 1:
@@ -155,6 +166,8 @@ def run_on_threads(function: Callable, items: Iterable, threads: int | None = No
     finally:
         for job in jobs:  # after an interrupt: do not start what has not begun, ...
             job.cancel()
+        if stop is not None:
+            stop()
         concurrent.futures.wait(jobs)  # ... nor leave the arrays to loops that still write
 
 

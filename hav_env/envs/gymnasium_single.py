@@ -9,10 +9,9 @@ import gymnasium as gym
 import numpy as np
 
 from hav_env.envs.screen import ENV_RENDER_MODES, RENDER_FPS
-from hav_env.envs.single_world import OfOneWorld, SingleWorld
+from hav_env.envs.single_world import OfOneWorld, Sight, SingleWorld
 from hav_env.envs.views import EgoView, JointView, Team
-from hav_env.mdp.actions import read_action
-from hav_env.mdp.advance import Outcome
+from hav_env.mdp.actions import list_action
 from hav_env.mdp.decision_process import Settings
 
 
@@ -26,7 +25,6 @@ class _WorldEnv(OfOneWorld, gym.Env):
         self.render_mode = world.screen.render_mode
         self.observation_space, self.action_space = view.observation_space, view.action_space
         self._shape = self.action_space.shape
-        self._joint = 1, world.process.num_controlled, 2
         self._over = self._warned = False
 
     def reset(
@@ -43,10 +41,11 @@ class _WorldEnv(OfOneWorld, gym.Env):
         """
         plan = self._world.plan(seed, options, self.np_random)
         super().reset(seed=None if seed is None else int(seed))
-        outcome = self._world.begin(plan)
+        seen = self._world.begin(plan)
         self._over = self._warned = False
         self._show()
-        return self._view.observations(outcome.observation)[0], self._info(outcome)
+        info = self._info(seen) if self._world.process.always else {}
+        return self._view.observation(seen.observation), info
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Take an action. After the end of an episode the world goes on, with one warning.
@@ -56,24 +55,24 @@ class _WorldEnv(OfOneWorld, gym.Env):
             ValueError: when its shape is wrong or a number is not finite.
             RuntimeError: before the first ``reset``.
         """
-        actions = read_action("the action", action, self._shape)
+        numbers = list_action("the action", action, self._shape)
         if self._over and not self._warned:
             self._warned = True
             gym.logger.warn("the episode has ended: call reset before step", stacklevel=2)
-        outcome = self._world.step(actions.reshape(self._joint))
-        terminated, truncated = bool(outcome.terminated[0]), bool(outcome.truncated[0])
+        world, view = self._world, self._view
+        seen = world.step(numbers)
+        terminated, truncated = seen.terminated.item(), seen.truncated.item()
         self._over = terminated or truncated
         self._show()
-        view = self._view
         return (
-            view.observations(outcome.observation)[0],
-            view.reward(outcome.reward[:, 0].tolist()),
+            view.observation(seen.observation),
+            view.reward(seen.reward.tolist()),
             terminated,
             truncated,
-            self._info(outcome),
+            self._info(seen) if self._over or world.process.always else {},
         )
 
-    def _info(self, outcome: Outcome) -> dict[str, Any]:
+    def _info(self, seen: Sight) -> dict[str, Any]:
         raise NotImplementedError
 
 
@@ -99,7 +98,7 @@ class HAVSwarmEnv(_WorldEnv):
             team_reward: how the HAVs' rewards become one: "mean", "sum" or "min".
             flatten: spaces with one axis, (N * D,) and (N * 2,).
             settings: as of ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
-                task, its rules, vehicle, observation, reward, frame_skip.
+                task, its rules, vehicle, observation, reward, frame_skip, info.
 
         Raises:
             ValueError, TypeError: naming the argument, its value and what is allowed.
@@ -107,8 +106,8 @@ class HAVSwarmEnv(_WorldEnv):
         world = SingleWorld(render_mode, **settings)
         super().__init__(world, JointView(world.process, team_reward, flatten))
 
-    def _info(self, outcome: Outcome) -> dict[str, Any]:
-        return dict(zip(self._world.process.info, outcome.info[..., 0], strict=True))
+    def _info(self, seen: Sight) -> dict[str, Any]:
+        return self._world.name_numbers(seen.info.copy())
 
 
 class HAVSingleEnv(_WorldEnv):
@@ -140,5 +139,5 @@ class HAVSingleEnv(_WorldEnv):
         world = SingleWorld(render_mode, 1, others, **settings)
         super().__init__(world, EgoView(world.process))
 
-    def _info(self, outcome: Outcome) -> dict[str, Any]:
-        return dict(zip(self._world.process.info, outcome.info.ravel().tolist(), strict=True))
+    def _info(self, seen: Sight) -> dict[str, Any]:
+        return self._world.name_numbers(*seen.rows.tolist())

@@ -8,12 +8,13 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from hav_env.envs.reset_options import warn_of_unknown
 from hav_env.envs.screen import RENDER_FPS, Screen
 from hav_env.envs.views import EgoView, JointView, Team
 from hav_env.maths.random_numbers import SEED_LIMIT
-from hav_env.mdp.actions import read_action
-from hav_env.mdp.advance import Outcome
-from hav_env.mdp.decision_process import DecisionProcess, Settings, warn_of_unknown
+from hav_env.mdp.actions import take_actions
+from hav_env.mdp.buffers import Outcome
+from hav_env.mdp.decision_process import DecisionProcess, Settings
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Worlds
 from hav_env.simulator.batch import check_seed
@@ -44,10 +45,10 @@ class _WorldsVectorEnv(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._shape = self.num_envs, *view.action_space.shape
-        self._masks = tuple(f"_{name}" for name in process.info)
+        self._told = *process.info, *(f"_{name}" for name in process.info)
         self._seeds: np.ndarray | None = None
         self._episodes = np.zeros(self.num_envs, np.int64)
-        self._over = np.zeros(self.num_envs, np.bool_)
+        self._note_ends(np.zeros(self.num_envs, np.bool_))
 
     def reset(  # type: ignore[override]
         self,
@@ -71,11 +72,15 @@ class _WorldsVectorEnv(VectorEnv):
         super().reset(seed=int(seed) if isinstance(seed, numbers.Integral) else None)
         self._set_keys(seeds, chosen)
         outcome = self._process.outcome()
-        self._begin(chosen)
-        self._over = self._over & ~chosen
-        self._process.observe_worlds(np.ones_like(chosen), outcome)
-        outcome.info[:, :, ~chosen] = 0.0
-        return self._view.observations(outcome.observation), self._info(outcome.info, chosen)
+        self._begin(chosen, outcome)
+        self._note_ends(self._over & ~chosen)
+        if not chosen.all():
+            self._process.observe_worlds(~chosen, outcome)
+        info: dict[str, Any] = {}
+        if self._process.always:
+            outcome.info[:, :, ~chosen] = 0.0
+            info = self._info(outcome.info, chosen)
+        return self._view.observations(outcome.observation), info
 
     def step(
         self, actions: np.ndarray
@@ -89,25 +94,30 @@ class _WorldsVectorEnv(VectorEnv):
                 disabled, where a world whose episode has ended was not reset.
             PlacementError: when the next episode of a world cannot begin; ``reset`` must follow.
         """
-        actions = read_action("the array of actions", actions, self._shape)
-        if self.autoreset_mode == AutoresetMode.DISABLED and self._over.any():
+        actions = take_actions("the array of actions", actions, self._shape)
+        mode, process = self.autoreset_mode, self._process
+        if self._any_over and mode == AutoresetMode.DISABLED:
             ended = np.flatnonzero(self._over).tolist()
             raise RuntimeError(f"reset the worlds {ended} first: their episodes have ended")
-        outcome = self._process.step(actions.reshape(self.num_envs, -1, 2))
-        final: dict[str, Any] = {}
-        if self.autoreset_mode == AutoresetMode.NEXT_STEP and self._over.any():
-            self._begin_next(self._over)
-            self._process.observe_worlds(self._over, outcome)
-        terminated, truncated = outcome.terminated.copy(), outcome.truncated.copy()
-        rewards = np.array(self._view.rewards(outcome.reward))
-        self._over = terminated | truncated
-        if self.autoreset_mode == AutoresetMode.SAME_STEP and self._over.any():
-            final = self._final(outcome)
-            self._begin_next(self._over)
-            self._process.observe_worlds(self._over, outcome)
-        everywhere = np.ones(self.num_envs, np.bool_)
-        info = final | self._info(outcome.info, everywhere)
-        return self._view.observations(outcome.observation), rewards, terminated, truncated, info
+        outcome = process.step(actions.reshape(self.num_envs, -1, 2))
+        if self._any_over and mode == AutoresetMode.NEXT_STEP:
+            self._begin_next(self._over, outcome)
+        observation, numbers, reward, terminated, truncated = outcome
+        self._note_ends(terminated | truncated)
+        info: dict[str, Any] = {}
+        if self._any_over and mode == AutoresetMode.SAME_STEP:
+            info = self._final(outcome)
+            # rewards and ends stay those of the episodes that are over
+            apart = map(np.empty_like, (reward, terminated, truncated))
+            self._begin_next(self._over, Outcome(observation, numbers, *apart))
+        if process.always:
+            everywhere = np.empty(self.num_envs, np.bool_)
+            everywhere.fill(True)
+            info |= self._info(numbers, everywhere)
+        elif self._any_over and mode != AutoresetMode.SAME_STEP:
+            info = self._info(np.where(self._over, numbers, 0.0), self._over.copy())
+        rewards = self._view.rewards(reward)
+        return self._view.observations(observation), rewards, terminated, truncated, info
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -170,20 +180,23 @@ class _WorldsVectorEnv(VectorEnv):
             if own is not None:
                 self._seeds[w] = own
 
-    def _begin_next(self, chosen: np.ndarray) -> None:
-        self._episodes[chosen] += 1
-        self._begin(chosen)
+    def _note_ends(self, over: np.ndarray) -> None:
+        self._over, self._any_over = over, np.count_nonzero(over) > 0
 
-    def _begin(self, chosen: np.ndarray) -> None:
+    def _begin_next(self, chosen: np.ndarray, outcome: Outcome) -> None:
+        self._episodes += chosen
+        self._begin(chosen, outcome)
+
+    def _begin(self, chosen: np.ndarray, outcome: Outcome) -> None:
         assert self._seeds is not None
-        self._process.begin(self._seeds, self._episodes, chosen)
+        self._process.begin(self._seeds, self._episodes, chosen, outcome)
         self._screen.forget(chosen)
 
     def _info(self, numbers: np.ndarray, chosen: np.ndarray) -> dict[str, Any]:
         """Return all numbers by name, with masks of the worlds that they are about."""
-        values = self._view.numbers(numbers)
-        info = dict(zip(self._process.info, values, strict=True))
-        return info | dict.fromkeys(self._masks, chosen)
+        info = dict.fromkeys(self._told, chosen)
+        info.update(zip(self._process.info, self._view.numbers(numbers), strict=True))
+        return info
 
     def _final(self, outcome: Outcome) -> dict[str, Any]:
         """Return what was seen and reported at the end of the episodes that are over."""

@@ -1,5 +1,6 @@
 """This module has PettingZoo's parallel environment: each HAV is an agent, hav_0, hav_1, ..."""
 
+import math
 import numbers
 from typing import Any, ClassVar, Unpack
 
@@ -11,10 +12,9 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from hav_env.envs.screen import ENV_RENDER_MODES, RENDER_FPS
-from hav_env.envs.single_world import OfOneWorld, SingleWorld
+from hav_env.envs.single_world import OfOneWorld, Sight, SingleWorld
 from hav_env.envs.views import action_box, observation_box
-from hav_env.mdp.actions import REAL_KINDS, are_finite, check_mapping, read_action
-from hav_env.mdp.advance import Outcome
+from hav_env.mdp.actions import REAL_KINDS, check_mapping, read_action
 from hav_env.mdp.central_state import CentralState
 from hav_env.mdp.decision_process import Settings
 from hav_env.models.annotations import show
@@ -52,7 +52,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
             max_cycles: after how many actions an episode is truncated, in place of the task's
                 ``max_steps``, which counts the simulator's; not together with ``max_steps``.
             settings: as of ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
-                task, its rules, vehicle, observation, reward, frame_skip.
+                task, its rules, vehicle, observation, reward, frame_skip, info.
 
         Raises:
             ValueError, TypeError: naming the argument, its value and what is allowed.
@@ -72,7 +72,9 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         self.action_spaces = {agent: action_box() for agent in self._places}
         self._state = CentralState(process.batch)
         self.state_space = self._state.space
-        self._removes = process.batch.task.on_goal == REMOVE
+        self._removes, self._always = process.batch.task.on_goal == REMOVE, process.always
+        if self._removes:
+            process.report(always=True)  # an agent may end alone
         self.np_random, _ = seeding.np_random()
 
     def observation_space(self, agent: str) -> spaces.Box:
@@ -98,10 +100,11 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         plan = self._world.plan(seed, options, self.np_random)
         if seed is not None:
             self.np_random, _ = seeding.np_random(int(seed))
-        outcome = self._world.begin(plan)
+        seen = self._world.begin(plan)
         self.agents = self.possible_agents.copy()
         self._show()
-        return dict(zip(self.agents, outcome.observation[0], strict=True)), self._infos(outcome)
+        infos = self._infos(seen) if self._always else {agent: {} for agent in self.agents}
+        return dict(zip(self.agents, seen.observation.copy(), strict=True)), infos
 
     def step(
         self, actions: dict[str, np.ndarray]
@@ -120,57 +123,84 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
                 not two finite numbers.
             RuntimeError: before the first ``reset``.
         """
-        self._world.require_episode("step")
+        agents = self.agents
+        if not agents:
+            self._world.require_episode("step")
         check_mapping(actions)
-        if not self.agents and not actions:
+        if not agents and not actions:
             return {}, {}, {}, {}, {}
-        outcome = self._world.step(self._gather(actions))
-        agents, infos = self.agents, self._infos(outcome)
-        observations = dict(zip(self.possible_agents, outcome.observation[0], strict=True))
-        rewards = dict(zip(self.possible_agents, outcome.reward[:, 0].tolist(), strict=True))
-        over, late = bool(outcome.terminated[0]), bool(outcome.truncated[0])
-        terminations = dict.fromkeys(agents, over)
+        seen = self._world.step(self._gather(actions))
+        over, late = seen.terminated.item(), seen.truncated.item()
         if self._removes:
-            num_goals = self._world.process.batch.scenario.num_goals
-            for agent in agents:
-                terminations[agent] = over or infos[agent]["goals_hit"] == num_goals
-        truncations = {agent: late and not terminations[agent] for agent in agents}
-        if len(agents) < len(observations):  # who has left is not told any more
-            observations, rewards, infos = (
-                {agent: values[agent] for agent in agents}
-                for values in (observations, rewards, infos)
-            )
+            return self._let_leave(seen, over, late)
+        infos = self._infos(seen) if over or late or self._always else {a: {} for a in agents}
+        if over or late:
+            self.agents = []
+        self._show()
+        return (  # a strict zip takes longer, see ``SingleWorld.name_numbers``
+            dict(zip(agents, seen.observation.copy())),  # noqa: B905
+            dict(zip(agents, seen.reward.tolist())),  # noqa: B905
+            dict.fromkeys(agents, over),
+            dict.fromkeys(agents, late),
+            infos,
+        )
+
+    def _let_leave(
+        self, seen: Sight, over: bool, late: bool
+    ) -> tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], dict]:
+        """Return what a step returns where agents end one by one; who left is not told of."""
+        names, agents, infos = self.possible_agents, self.agents, self._infos(seen)
+        observations = dict(zip(names, seen.observation.copy(), strict=True))
+        rewards = dict(zip(names, seen.reward.tolist(), strict=True))
+        num_goals = self._world.process.batch.scenario.num_goals
+        terminations = {a: over or infos[a]["goals_hit"] == num_goals for a in agents}
+        truncations = {a: late and not terminations[a] for a in agents}
         self.agents = [a for a in agents if not (terminations[a] or truncations[a])]
         self._show()
-        return observations, rewards, terminations, truncations, infos
+        return (
+            {a: observations[a] for a in agents},
+            {a: rewards[a] for a in agents},
+            terminations,
+            truncations,
+            {a: infos[a] if self._always or a not in self.agents else {} for a in agents},
+        )
 
-    def _gather(self, actions: dict[str, np.ndarray]) -> np.ndarray:
-        """Return the actions of all agents (1, N, 2); who has left does nothing."""
-        gathered = np.zeros((1, len(self.possible_agents), 2))
-        for agent, action in actions.items():
+    def _gather(self, actions: dict[str, np.ndarray]) -> list[float]:
+        """Return the actions of all agents, one after the other; who has left does nothing."""
+        agents, numbers = self.agents, []
+        if list(actions) != agents:
+            self._check_agents(actions)
+        for agent in agents:
+            action = actions[agent]
+            if not (type(action) is np.ndarray and action.dtype.kind in REAL_KINDS):
+                action = _read_action(agent, action)
+            if action.shape != (2,):
+                _read_action(agent, action)
+            numbers += action.tolist()
+        if not all(map(math.isfinite, numbers)):
+            for agent, action in actions.items():
+                _read_action(agent, action)
+        if len(agents) == len(self._places):
+            return numbers
+        joint = [0.0] * (2 * len(self._places))
+        for k, agent in enumerate(agents):
+            place = 2 * self._places[agent]
+            joint[place : place + 2] = numbers[2 * k : 2 * k + 2]
+        return joint
+
+    def _check_agents(self, actions: dict[str, np.ndarray]) -> None:
+        """Raise ValueError unless all agents act and nobody else does."""
+        for agent in actions:
             if agent not in self.agents:
                 known = ", ".join(self.agents) or "none"
                 raise ValueError(f"there is no agent {show(agent)} to act; agents: {known}")
-            plain = type(action) is np.ndarray and action.dtype.kind in REAL_KINDS
-            if not (plain and action.shape == (2,)):
-                gathered[0, self._places[agent]] = _read_action(agent, action)
-            else:
-                gathered[0, self._places[agent]] = action
         if len(actions) < len(self.agents):
             missing = next(agent for agent in self.agents if agent not in actions)
             raise ValueError(f"there is no action for {missing}")
-        if not are_finite(gathered):
-            for agent, action in actions.items():
-                _read_action(agent, action)
-        return gathered
 
-    def _infos(self, outcome: Outcome) -> dict[str, dict[str, float]]:
-        names = self._world.process.info
-        rows = outcome.info[..., 0].T.tolist()
-        return {
-            agent: dict(zip(names, row, strict=True))
-            for agent, row in zip(self.possible_agents, rows, strict=True)
-        }
+    def _infos(self, seen: Sight) -> dict[str, dict[str, float]]:
+        named = map(self._world.name_numbers, seen.rows.tolist())
+        return dict(zip(self.possible_agents, named))  # noqa: B905
 
     def state(self) -> np.ndarray:
         """Return what is the case in the whole world, in its own frame: see ``CentralState``.

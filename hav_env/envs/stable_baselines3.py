@@ -13,7 +13,7 @@ from hav_env.envs.screen import RENDER_FPS, Screen
 from hav_env.envs.views import action_box, observation_box
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.actions import read_action
-from hav_env.mdp.advance import Outcome
+from hav_env.mdp.buffers import Outcome
 from hav_env.mdp.decision_process import DecisionProcess, Settings
 from hav_env.simulator.batch import check_seed
 
@@ -32,7 +32,7 @@ class HAVVecEnv(VecEnv):
     The rows of a world end together and begin the next episode at once. At the end of an episode,
     and only then, a row's info holds the numbers of ``hav_env.mdp.info`` and the returns by term,
     beside ``terminal_observation`` and ``TimeLimit.truncated``: a time-out is no failure, so its
-    value goes on.
+    value goes on. So the setting ``info`` changes nothing here.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": RENDER_FPS}  # noqa: RUF012
@@ -55,6 +55,7 @@ class HAVVecEnv(VecEnv):
             ValueError, TypeError: naming the argument, its value and what is allowed.
         """
         self.process = DecisionProcess(num_worlds, **settings)
+        self.process.report(always=False)
         self.screen = Screen(render_mode, self.process.batch, ["rgb_array"])
         self.render_mode = render_mode
         self._keys = np.zeros((2, num_worlds), np.int64)  # seed and number of the episodes
@@ -115,8 +116,7 @@ class HAVVecEnv(VecEnv):
             infos[w * self.process.num_havs + agent] = info
 
     def _begin(self, chosen: np.ndarray, outcome: Outcome) -> None:
-        self.process.begin(self._keys[0], self._keys[1], chosen)
-        self.process.observe_worlds(chosen, outcome)
+        self.process.begin(self._keys[0], self._keys[1], chosen, outcome)
         self.screen.forget(chosen)
 
     def arrays(self) -> dict[str, np.ndarray]:

@@ -55,6 +55,12 @@ class JointView:
             self.observation_space = _flat(self.observation_space)
             self.action_space = _flat(self.action_space)
         self._shape = self.observation_space.shape
+        self._flat = flatten
+
+    def observation(self, observation: np.ndarray) -> np.ndarray:
+        """Return what is seen in one world, of (N, D): a copy."""
+        seen = observation.copy()
+        return seen.ravel() if self._flat else seen
 
     def observations(self, observation: np.ndarray) -> np.ndarray:
         """Return (W, *shape of the space) of (W, N, D)."""
@@ -64,10 +70,12 @@ class JointView:
         """Return (W,) of (N, W); one HAV is added after the other, whatever W is."""
         if self.team_reward == "min":
             return reward.min(axis=0)
-        total = reward[0].copy()
-        for own in reward[1:]:
+        total = reward[0] + reward[1] if len(reward) > 1 else reward[0].copy()
+        for own in reward[2:]:
             total += own
-        return total if self.team_reward == "sum" else total / len(reward)
+        if self.team_reward == "mean":
+            total /= float(len(reward))
+        return total
 
     def reward(self, reward: list[float]) -> float:
         """Return the same for one world, of (N,): the same bits."""
@@ -77,7 +85,7 @@ class JointView:
         return total if self.team_reward == "sum" else total / len(reward)
 
     def numbers(self, info: np.ndarray) -> np.ndarray:
-        """Return (K, W, N) of (K, N, W)."""
+        """Return (K, W, N) of (K, N, W), the same memory."""
         return info.transpose(0, 2, 1)
 
 
@@ -89,12 +97,16 @@ class EgoView:
         self.observation_space = observation_box(process)
         self.action_space = action_box()
 
+    def observation(self, observation: np.ndarray) -> np.ndarray:
+        """Return what is seen in one world, of (1, D): a copy."""
+        return observation[0].copy()
+
     def observations(self, observation: np.ndarray) -> np.ndarray:
         """Return (W, D) of (W, 1, D)."""
         return observation[:, 0]
 
     def rewards(self, reward: np.ndarray) -> np.ndarray:
-        """Return (W,) of (1, W)."""
+        """Return (W,) of (1, W), the same memory."""
         return reward[0]
 
     def reward(self, reward: list[float]) -> float:
@@ -102,5 +114,5 @@ class EgoView:
         return reward[0]
 
     def numbers(self, info: np.ndarray) -> np.ndarray:
-        """Return (K, W) of (K, 1, W)."""
+        """Return (K, W) of (K, 1, W), the same memory."""
         return info[:, 0]

@@ -15,6 +15,7 @@ from hav_env.compiled import (
     kernel,
     rare_kernel,
     run_on_threads,
+    take,
 )
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.models.protocols import Policy, Scenario, Vehicle
@@ -22,25 +23,25 @@ from hav_env.policies.interface import allocate_memory, check_models
 from hav_env.policies.names import make_policy
 from hav_env.policies.stepping import act_and_step
 from hav_env.scenarios.presets import scenario_of
-from hav_env.simulator.batch import Batch, read_episodes
+from hav_env.simulator.batch import Batch, read_episodes, worlds_for
 from hav_env.simulator.transition import ended
 from hav_env.vehicles import VEHICLES, OnAxle
-from hav_env.world.arrays import FEW, PHASE, allocate_worlds
+from hav_env.world.arrays import FEW, PHASE
 from hav_env.world.lanes import LANES, block_of, exchange_lanes, exchange_worlds
 from hav_env.world.task import Task
 
-_SHARES = 4  # of each thread
+_SHARES = 4  # fillings of each thread's lanes there should be
 _MUCH = 100  # numbers that a HAV remembers
 
 
 @entry
 def rollout_worlds(
-    first, last, policy, task, vehicle, worlds, order, stage, places, memory, speed, steering
+    first, last, policy, task, vehicle, worlds, order, queue, stage, places, memory, speed, steering
 ):
-    """Run the episodes that have begun in ``worlds[order[first:last]]`` to their ends.
+    """Run episodes that have begun in ``worlds[order[first:last]]`` to their ends.
 
-    They take turns in the lanes of the stage: a lane whose episode ended takes the next one, and
-    when there is none, the last lane takes its place.
+    They take turns in the lanes of the stage: a lane whose episode ended takes the next one that no
+    thread has taken, and when there is none, the last lane takes its place.
 
     Args:
         first: first index into ``order`` to run.
@@ -50,17 +51,17 @@ def rollout_worlds(
         vehicle: kinematics of the HAVs.
         worlds: all W episodes, each in its place, where it also stands at the end.
         order: (W,) places of the episodes, in the order in which they run.
+        queue: (1,) how many of them have been taken, by all threads.
         stage: S worlds, which run at a time.
         places: (S,) place of the episode that runs in each lane of the stage.
         memory: (N, K, S) memory of the policy on the stage.
         speed: (N, S) speeds of the trucks on the stage [m/s], overwritten.
         steering: (N, S) steering angles on the stage [rad], overwritten.
     """
-    waiting, active = first, 0
-    while waiting < last and active < stage.lanes:
-        places[active] = order[waiting]
-        exchange_worlds(worlds, places[active], stage, active)
-        waiting, active = waiting + 1, active + 1
+    active, left = 0, True
+    while left and active < stage.lanes:
+        left = _take_next(first, last, worlds, order, queue, stage, places, active)
+        active += left
     while active > 0:
         # idle lanes in a whole vector cost less than odd ones
         lanes = min((active + VECTOR - 1) // VECTOR * VECTOR, stage.lanes)
@@ -71,16 +72,24 @@ def rollout_worlds(
             if not ended(task, stage, lane):
                 continue
             exchange_worlds(stage, lane, worlds, places[lane])
-            if waiting < last:
-                places[lane] = order[waiting]
-                exchange_worlds(worlds, places[lane], stage, lane)
+            if _take_next(first, last, worlds, order, queue, stage, places, lane):
                 memory[..., lane] = 0.0
-                waiting += 1
             else:
                 active -= 1
                 if lane < active:
                     _exchange(stage, places, memory, lane, active)
         _arrange(stage, places, memory, active)
+
+
+@rare_kernel
+def _take_next(first, last, worlds, order, queue, stage, places, lane):
+    """Put the next episode into a lane; return whether there was one left."""
+    waiting = first + take(queue)
+    if waiting >= last:
+        return False
+    places[lane] = order[waiting]
+    exchange_worlds(worlds, places[lane], stage, lane)
+    return True
 
 
 @kernel
@@ -157,30 +166,31 @@ def rollout(
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)  # (N, 3, W)
     # Loops over units reach to the longest HAV of a block: worlds alike are run side by side, long
     # ones first, for they take longest.
-    order = np.lexsort(-batch.worlds.fleet.num_trailers[::-1])
-    roll = functools.partial(_roll, canonical(policy), batch)
+    order, queue = np.lexsort(-batch.worlds.fleet.num_trailers[::-1]), np.zeros(1, np.int64)
     threads = int(threads or default_threads())
-    run_on_threads(roll, _shares(order, threads), threads)
+    lanes = _lanes(scenario.num_havs, numbers.size, threads)
+    roll = functools.partial(_roll, canonical(policy), batch, order, queue)
+    stages = [lanes] * min(threads, -(-numbers.size // lanes))
+    run_on_threads(roll, stages, threads, lambda: queue.fill(numbers.size))
     return tabulate(batch.worlds, start, policy, task)
 
 
-def _shares(order: np.ndarray, threads: int) -> list[np.ndarray]:
-    """Divide episodes among threads, in shares small enough that none waits long for another."""
-    shares = _SHARES * threads if threads > 1 else 1
-    size = max(VECTOR, -(-len(order) // shares))
-    return [order[first : first + size] for first in range(0, len(order), size)]
+def _lanes(num_havs: int, episodes: int, threads: int) -> int:
+    """Return in how many lanes a thread runs episodes: whole vectors, few where others take some.
+
+    Whoever has more lanes than the others have episodes left keeps them waiting.
+    """
+    share = episodes if threads == 1 else max(VECTOR, -(-episodes // (_SHARES * threads)))
+    return min(share, episodes, max(VECTOR, LANES // num_havs))
 
 
-def _roll(policy, batch: Batch, order: np.ndarray) -> None:
-    """Run the episodes of one share to their ends, on this thread.
+def _roll(policy, batch: Batch, order: np.ndarray, queue: np.ndarray, lanes: int) -> None:
+    """Run episodes to their ends, on this thread, until none is left.
 
     The stage is the thread's own: threads that write side by side would wait for each other.
     """
-    num_havs, num_units, _ = batch.worlds.state.heading.shape
-    lanes = min(len(order), max(VECTOR, LANES // num_havs))
-    stage = allocate_worlds(
-        lanes, num_havs, num_units, batch.scenario.num_goals, batch.task.continuous_collisions
-    )
+    num_havs = batch.scenario.num_havs
+    stage = worlds_for(batch.scenario, batch.task, lanes)
     # so that nobody moves in lanes that are idle
     stage.state.waiting[:], stage.state.goal[:, PHASE] = True, batch.scenario.num_goals - 1
     rollout_worlds(
@@ -190,6 +200,7 @@ def _roll(policy, batch: Batch, order: np.ndarray) -> None:
         batch.vehicle,
         batch.worlds,
         order,
+        queue,
         stage,
         np.zeros(lanes, np.int64),
         allocate_memory(policy, num_havs, lanes),

@@ -19,6 +19,7 @@ LSL, RSR, LSR, RSL, RLR, LRL = range(6)
 WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
 INFEASIBLE = math.inf
 _ROUNDING = 1e-12  # what rounding leaves of a zero angle [rad] or tangent [radii]
+_IN_SINGLE = {"_ROUNDING": 2e-5}
 
 
 @kernel

@@ -11,7 +11,7 @@ tests/maths/test_elementary.py.
 
 import math
 
-from hav_env.compiled import bits_of, float_of, fma, kernel
+from hav_env.compiled import bits_of, float_of, fma, kernel, split_power
 
 # Added to a float below 2**51, this leaves no bits for a fraction: it rounds to the nearest whole
 # number, half to even, and that number stands in the lowest bits.
@@ -27,9 +27,9 @@ _QUARTER_HIGH, _QUARTER_MIDDLE, _QUARTER_LOW = (
 _TAN_PI_8 = 0.41421356237309503
 _SMALLEST = 1e-300  # keeps 0 / 0 away
 _LOG2_E = 1.4426950408889634
-_SQRT_HALF_BITS = bits_of(math.sqrt(0.5))
 _LN_2_HIGH, _LN_2_LOW = 0.6931471805599453, 2.3190468138462996e-17  # ln 2 in 106 bits
 _EXP_LOW, _EXP_HIGH = -708.0, 709.0  # what still has a normal result
+_IN_SINGLE = {"_SMALLEST": 1e-37, "_LN_2_LOW": -1.904654323148236e-09}
 
 
 @kernel
@@ -127,9 +127,8 @@ def log(x):
     x is a power of two times 1 + f with f in [sqrt(1/2) - 1, sqrt(2) - 1]; there the polynomial is
     fdlibm's.
     """
-    doublings_bits = (bits_of(x) - _SQRT_HALF_BITS) >> 52
-    doublings = float_of(_ROUNDER_BITS + doublings_bits) - _ROUNDER
-    f = float_of(bits_of(x) - (doublings_bits << 52)) - 1.0
+    doublings, mantissa = split_power(x)
+    f = mantissa - 1.0
     s = f / (2.0 + f)
     z = s * s
     w = z * z

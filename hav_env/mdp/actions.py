@@ -10,7 +10,50 @@ from hav_env.models.annotations import show
 
 # kinds of NumPy's types that are numbers: no bool, no complex, no text, no object
 REAL_KINDS = "fiu"
+_READ_AS_THEY_ARE = np.float32, np.float64
 _SHORT_LIST = 64  # numbers up to which a list is looked at in less time than an array
+
+
+def take_actions(name: str, actions: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """Return finite actions that compiled code can read: the user's own array where it can.
+
+    Args:
+        name: as of ``read_action``.
+        actions: as of ``read_action``.
+        shape: as of ``read_action``.
+
+    Returns:
+        A contiguous array of float32 or float64, to be read at once and not to be kept.
+
+    Raises:
+        TypeError, ValueError: as of ``read_action``.
+    """
+    legible = (
+        type(actions) is np.ndarray
+        and actions.dtype in _READ_AS_THEY_ARE
+        and actions.flags.carray  # contiguous and aligned
+        and actions.shape == shape
+        and are_finite(actions)
+    )
+    return actions if legible else read_action(name, actions, shape)
+
+
+def list_action(name: str, action: Any, shape: tuple[int, ...]) -> list[float]:
+    """Return the numbers of an action of few, one after the other.
+
+    Args:
+        name: as of ``read_action``.
+        action: as of ``read_action``.
+        shape: as of ``read_action``.
+
+    Raises:
+        TypeError, ValueError: as of ``read_action``.
+    """
+    if type(action) is np.ndarray and action.dtype.kind in REAL_KINDS and action.shape == shape:
+        numbers = action.ravel().tolist()
+        if all(map(math.isfinite, numbers)):
+            return numbers
+    return read_action(name, action, shape).ravel().tolist()
 
 
 def read_action(name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -41,7 +84,7 @@ def are_finite(actions: np.ndarray) -> bool:
     """Tell whether all numbers of an array are finite."""
     if actions.size <= _SHORT_LIST:
         return all(map(math.isfinite, actions.ravel().tolist()))
-    return bool(np.isfinite(actions).all())
+    return np.count_nonzero(np.isfinite(actions)) == actions.size
 
 
 def check_mapping(actions: Any) -> None:

@@ -7,8 +7,8 @@ back when Python frees it. Every view in NumPy keeps its base.
 """
 
 import collections
-import weakref
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,13 +16,19 @@ _ALIGNED = 64  # bytes: a line of the cache
 _LARGE = 1 << 18  # bytes from which on memory is lent; small pieces are made faster than lent
 _KEPT = 2  # pieces for the next loans
 
+# pieces with the description of each, which NumPy would otherwise write anew
+_Free = collections.deque[tuple[np.ndarray, dict[str, Any]]]
+
 
 class _Loan:
     """Memory on which arrays stand as long as one of them, or of their views, is held."""
 
-    def __init__(self, memory: np.ndarray) -> None:
-        self._memory = memory
-        self.__array_interface__ = memory.__array_interface__
+    def __init__(self, memory: np.ndarray, interface: dict[str, Any], free: _Free) -> None:
+        self._memory, self._free = memory, free
+        self.__array_interface__ = interface
+
+    def __del__(self) -> None:
+        self._free.append((self._memory, self.__array_interface__))
 
 
 class Recycler:
@@ -34,9 +40,9 @@ class Recycler:
         self._size = 0
         for shape, kind in self._layout:
             length = int(np.prod(shape)) * np.dtype(kind).itemsize
-            self._places.append(slice(self._size, self._size + length))
+            self._places.append(self._size)
             self._size += -(-length // _ALIGNED) * _ALIGNED
-        self._free: collections.deque[np.ndarray] = collections.deque(maxlen=_KEPT)
+        self._free: _Free = collections.deque(maxlen=_KEPT)
 
     def __reduce__(self) -> tuple:
         """Copy the layout alone: memory is the original's."""
@@ -46,17 +52,15 @@ class Recycler:
         """Return arrays that nobody else holds; what is in them means nothing yet."""
         if self._size < _LARGE:
             return tuple(np.empty(shape, kind) for shape, kind in self._layout)
-        memory = self._take()
-        loan = _Loan(memory)
-        weakref.finalize(loan, self._free.append, memory).atexit = False
-        lent = np.asarray(loan)
+        lent = np.asarray(_Loan(*self._take(), self._free))
         return tuple(
-            lent[place].view(kind).reshape(shape)
+            np.ndarray(shape, kind, lent, place)
             for place, (shape, kind) in zip(self._places, self._layout, strict=True)
         )
 
-    def _take(self) -> np.ndarray:
+    def _take(self) -> tuple[np.ndarray, dict[str, Any]]:
         try:
             return self._free.pop()
         except IndexError:
-            return np.empty(self._size, np.uint8)
+            memory = np.empty(self._size, np.uint8)
+            return memory, memory.__array_interface__

@@ -5,6 +5,7 @@ A reward is a NamedTuple of weights. Its type selects the kernel that works out 
 """
 
 import functools
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,15 +19,16 @@ from hav_env.observation.columns import place_names
 from hav_env.world.arrays import (
     ACTUAL,
     ARTICULATION,
+    FEW,
     JACKKNIFE,
     NEVER,
     STEERING,
     WHEN,
     World,
-    truck_distance,
 )
 from hav_env.world.collision import collision_distance, front_gap
 from hav_env.world.goals import goals_hit
+from hav_env.world.sensing import neighbor_id, num_neighbors
 
 # what was so before the action, of each HAV: whether it waited, goals hit, Dubins length to the
 # goal [m], ever jackknifed, ever in an actual collision
@@ -158,20 +160,8 @@ def default_terms(reward, duration, world, agent, before, remaining, terms):
         effort = state.steering[agent, lane] / limit[agent, STEERING, lane]
         terms[_TERM.steering, agent, lane] = duration * effort * effort
         terms[_TERM.time, agent, lane] = duration
-        terms[_TERM.articulation, agent, lane] = 0.0
-    for number in range(1, world.units):
-        unit = fixed(number)
-        for lane in range(world.lanes):
-            bend = abs(state.heading[agent, unit, lane] - state.heading[agent, unit - 1, lane])
-            bend = bend if unit <= world.fleet.num_trailers[agent, lane] else 0.0
-            share = clip(2.0 * bend / limit[agent, ARTICULATION, lane] - 1.0, 0.0, 1.0)
-            term = terms[_TERM.articulation, agent, lane]
-            terms[_TERM.articulation, agent, lane] = max(term, duration * share * share)
-    for lane in range(world.lanes):
-        terms[_TERM.potential_collision, agent, lane] = 0.0
-    if state.x.shape[0] > 1:
-        for lane in range(world.lanes):
-            terms[_TERM.potential_collision, agent, lane] = duration * _deepest(world, agent, lane)
+    _articulation_terms(duration, world, agent, terms)
+    _collision_terms(duration, world, agent, terms)
     for lane in range(world.lanes):
         terms[_TERM.proximity, agent, lane] = 0.0
     if state.x.shape[0] > 1 and reward.proximity != 0.0:
@@ -181,23 +171,68 @@ def default_terms(reward, duration, world, agent, before, remaining, terms):
 
 
 @kernel
-def _deepest(world, agent, lane):
-    """Return how deep a footprint circle has been entered, at most: from 0 to 1."""
-    deepest = 0.0
-    for k in range(world.nearby.count[agent, lane]):
-        other = world.nearby.index[agent, k, lane]
-        allowed = collision_distance(world.fleet, agent, other, lane)
-        distance = truck_distance(world.state, agent, other, lane)
-        deepest = max(deepest, 1.0 - distance / allowed)
-    return deepest
+def _articulation_terms(duration, world, agent, terms):
+    """Work out how near the largest articulation is to its limit."""
+    heading, limit = world.state.heading, world.fleet.limit
+    for lane in range(world.lanes):
+        terms[_TERM.articulation, agent, lane] = 0.0
+    for number in range(1, world.units):
+        unit = fixed(number)
+        for lane in range(world.lanes):
+            bend = abs(heading[agent, unit, lane] - heading[agent, unit - 1, lane])
+            bend = bend if unit <= world.fleet.num_trailers[agent, lane] else 0.0
+            largest = terms[_TERM.articulation, agent, lane]
+            terms[_TERM.articulation, agent, lane] = max(largest, bend)
+    for lane in range(world.lanes):
+        largest = terms[_TERM.articulation, agent, lane]
+        share = clip(2.0 * largest / limit[agent, ARTICULATION, lane] - 1.0, 0.0, 1.0)
+        terms[_TERM.articulation, agent, lane] = duration * share * share
+
+
+@kernel
+def _collision_terms(duration, world, agent, terms):
+    """Work out how deep the footprint circle of another HAV has been entered, at most.
+
+    Circles do not overlap out of sensing range. So few HAVs all count, which takes no branch.
+    """
+    num_havs = world.state.x.shape[0]
+    for lane in range(world.lanes):
+        terms[_TERM.potential_collision, agent, lane] = math.inf
+    if num_havs <= FEW:
+        for number in range(num_havs):
+            if number != agent:
+                other = fixed(number)
+                for lane in range(world.lanes):
+                    least = terms[_TERM.potential_collision, agent, lane]
+                    share = _squared_share(world, agent, other, lane)
+                    terms[_TERM.potential_collision, agent, lane] = min(least, share)
+    else:
+        for lane in range(world.lanes):
+            for k in range(num_neighbors(world, agent, lane)):
+                least = terms[_TERM.potential_collision, agent, lane]
+                share = _squared_share(world, agent, neighbor_id(world, agent, k, lane), lane)
+                terms[_TERM.potential_collision, agent, lane] = min(least, share)
+    for lane in range(world.lanes):
+        least = terms[_TERM.potential_collision, agent, lane]
+        depth = max(0.0, 1.0 - math.sqrt(least))
+        terms[_TERM.potential_collision, agent, lane] = duration * depth
+
+
+@kernel
+def _squared_share(world, agent, other, lane):
+    """Return the square of the distance between two trucks over their collision distance."""
+    dx = world.state.x[other, lane] - world.state.x[agent, lane]
+    dy = world.state.y[other, lane] - world.state.y[agent, lane]
+    allowed = collision_distance(world.fleet, agent, other, lane)
+    return (dx * dx + dy * dy) / (allowed * allowed)
 
 
 @kernel
 def _nearness(world, agent, lane):
     """Return how near the truck's front is to the nearest chain: from 0 to 1."""
     nearness = 0.0
-    for k in range(world.nearby.count[agent, lane]):
-        other = world.nearby.index[agent, k, lane]
+    for k in range(num_neighbors(world, agent, lane)):
+        other = neighbor_id(world, agent, k, lane)
         gap = front_gap(world, agent, other, lane)
         nearness = max(nearness, 1.0 - gap / _PROXIMITY_RANGE)
     return nearness

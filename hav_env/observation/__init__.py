@@ -18,44 +18,40 @@ from hav_env.observation.layout import (
 )
 from hav_env.observation.neighbors import observe_neighbors
 from hav_env.observation.own import observe_itself
-from hav_env.observation.route import (
-    LENGTH,
-    ROUTE_SIZE,
-    TO_APPROACH,
-    TO_GOAL,
-    observe_route,
-    plan_route,
-)
+from hav_env.observation.route import observe_route, plan_route
+from hav_env.observation.rows import write_rows
+from hav_env.observation.scratch import SCRATCH_ROWS, Scratch
+from hav_env.world.other_havs import CHAIN_ROWS
 
 __all__ = [
-    "LENGTH",
-    "ROUTE_SIZE",
-    "TO_APPROACH",
-    "TO_GOAL",
+    "CHAIN_ROWS",
+    "SCRATCH_ROWS",
     "Column",
     "Observation",
+    "Scratch",
     "check_observation",
     "list_columns",
     "name_columns",
     "observe",
     "plan_route",
     "settle",
+    "write_rows",
 ]
 
 
 @kernel
-def observe(observation, world, agent, route, columns):
+def observe(observation, world, agent, scratch, columns):
     """Write what a HAV sees in every lane of a block of worlds.
 
     Args:
         observation: settled for the number of HAVs.
         world: a block.
         agent: which HAV.
-        route: (N, ROUTE_SIZE, W) as ``plan_route`` left it.
-        columns: (D, W) to be written, in the order of ``list_columns``.
+        scratch: a ``Scratch`` as ``plan_route`` left it.
+        columns: (D, L) to be written, in the order of ``list_columns``.
     """
-    observe_route(world, agent, route, columns, FIRST_OF_ROUTE)
-    observe_itself(world, agent, columns, FIRST_OF_UNITS)
+    observe_route(world, scratch, columns, FIRST_OF_ROUTE)
+    observe_itself(world, agent, scratch, columns, FIRST_OF_UNITS)
     if observation.neighbors > 0:
         first = first_of_neighbors(world.state.heading.shape[1] - 1)
-        observe_neighbors(observation, world, agent, columns, first)
+        observe_neighbors(observation, world, agent, scratch, columns, first)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from hav_env.compiled import kernel
+from hav_env.compiled import in_single, kernel, single
 from hav_env.maths.elementary import log
 from hav_env.maths.geometry import clip
 
@@ -59,29 +59,49 @@ def places_of(group: tuple[Column, ...]) -> Any:
     return place_names(column.name for column in group)
 
 
+@in_single
 @kernel
 def scale_distance(distance):
-    """Return ln(1 + d / 1 m) / ln(1 + 10 km / 1 m), cut to 1: 1 m and 300 m both tell."""
+    """Return ln(1 + d / 1 m) / ln(1 + 10 km / 1 m), cut to 1: 1 m and 300 m both tell.
+
+    The distance is a float32.
+    """
     return min(log(1.0 + distance) * _PER_LOGARITHM, 1.0)
 
 
+@in_single
 @kernel
 def scale_length(length):
-    """Return the length of a unit in 10 m, cut to 10."""
+    """Return the length of a unit, a float32, in 10 m, cut to 10."""
     return min(length * (1.0 / LENGTH_UNIT), LENGTH_CUT)
+
+
+@in_single
+@kernel
+def _polar(forward, left):
+    """Return the distance of a point [m], cosine and sine of its bearing; none for a point here."""
+    distance = math.sqrt(forward * forward + left * left)
+    per_distance = 1.0 / max(distance, TINY_DISTANCE)
+    return distance, forward * per_distance, left * per_distance
+
+
+@in_single
+@kernel
+def _cut_to_one(share):
+    """Return a share, or the bound -1 or 1 that rounding may have brought it beyond."""
+    return clip(share, -1.0, 1.0)
 
 
 @kernel
 def write_place(columns, column, lane, forward, left):
-    """Write distance, cosine and sine of the bearing of a point [m]."""
-    distance = math.sqrt(forward * forward + left * left)
-    per_distance = 1.0 / max(distance, TINY_DISTANCE)
+    """Write distance, cosine and sine of the bearing of a point [m], given as float32."""
+    distance, cosine, sine = _polar(forward, left)
     columns[column, lane] = scale_distance(distance)
-    write_direction(columns, column + 1, lane, forward * per_distance, left * per_distance)
+    write_direction(columns, column + 1, lane, cosine, sine)
 
 
 @kernel
 def write_direction(columns, column, lane, cosine, sine):
     """Write a cosine and a sine, which rounding may have brought beyond 1."""
-    columns[column, lane] = clip(cosine, -1.0, 1.0)
-    columns[column + 1, lane] = clip(sine, -1.0, 1.0)
+    columns[column, lane] = _cut_to_one(single(cosine))
+    columns[column + 1, lane] = _cut_to_one(single(sine))

@@ -2,7 +2,7 @@
 
 import math
 
-from hav_env.compiled import fixed, kernel
+from hav_env.compiled import fixed, in_single, kernel, single
 from hav_env.maths.geometry import clip
 from hav_env.observation.columns import (
     SPEED_UNIT,
@@ -18,20 +18,28 @@ from hav_env.observation.columns import (
     write_place,
 )
 from hav_env.observation.own import JOINT, joint_columns
+from hav_env.world.arrays import FEW
+from hav_env.world.other_havs import (
+    NEAREST_X,
+    NEAREST_Y,
+    direction_of,
+    find_nearest_points,
+    place_of,
+)
 from hav_env.world.sensing import (
     neighbor_articulation,
     neighbor_before_front,
     neighbor_distance,
     neighbor_footprint,
     neighbor_front_gap,
-    neighbor_heading_direction,
+    neighbor_id,
     neighbor_length,
     neighbor_nearest_point,
-    neighbor_position,
     neighbor_speed,
     neighbor_trailers,
     num_neighbors,
     own_footprint,
+    unit_length,
 )
 
 NEIGHBOR_COLUMNS = (
@@ -72,17 +80,18 @@ def neighbor_columns(chains: bool, fronts: bool, max_trailers: int) -> list[Colu
 
 
 @kernel
-def observe_neighbors(observation, world, agent, columns, first):
+def observe_neighbors(observation, world, agent, scratch, columns, first):
     """Write the columns of the K nearest neighbours, nearest first; zeros where there are fewer.
 
     The nearest neighbours differ from lane to lane, so the kernel finds them lane by lane. It then
-    computes roots and logarithms for all lanes at once.
+    looks at them in all lanes at once.
 
     Args:
         observation: settled for the number of HAVs.
         world: a block.
         agent: which HAV.
-        columns: (D, W) to be written.
+        scratch: a ``Scratch``.
+        columns: (D, L) to be written.
         first: the first column of the neighbours.
     """
     joints = world.state.heading.shape[1] - 1
@@ -92,16 +101,29 @@ def observe_neighbors(observation, world, agent, columns, first):
         column = fixed(number)
         for lane in range(world.lanes):
             columns[column, lane] = 0.0
+    few = world.state.x.shape[0] <= FEW
     for lane in range(world.lanes):
         nearest, least = -1, -math.inf
         for rank in range(min(observation.neighbors, num_neighbors(world, agent, lane))):
             nearest, least = _next_nearest(world, agent, lane, nearest, least)
             column = first + size * rank
-            _look_at_neighbor(world, agent, nearest, least, columns, column, lane)
+            columns[column + _NEIGHBOR_AT.present, lane] = 1.0
+            columns[column + _NEIGHBOR_AT.clearance, lane] = least
+            # who it is, until all who see the same HAV look at it together
+            other = neighbor_id(world, agent, nearest, lane)
+            columns[column + _NEIGHBOR_AT.distance, lane] = other
+            if not few:
+                chain = neighbor_nearest_point(world, agent, nearest, lane)
+                _look_at_hav(world, agent, other, chain, columns, column, lane)
             if observation.chains:
                 _observe_chain(world, agent, nearest, columns, column + len(_NEIGHBOR_AT), lane)
             if observation.fronts:
                 _observe_fronts(world, agent, nearest, columns, column + fronts, lane)
+    if few:
+        for other in range(world.state.x.shape[0]):
+            _look_in_all_lanes(
+                observation, world, agent, fixed(other), scratch.chain, columns, first, size
+            )
     for rank in range(observation.neighbors):
         _scale_neighbor(world, columns, fixed(first + size * rank))
 
@@ -131,42 +153,83 @@ def _next_nearest(world, agent, lane, before, least):
 
 
 @kernel
-def _look_at_neighbor(world, agent, k, gap, columns, column, lane):
-    """Write a neighbour's columns in metres: places as forward and left, distances as they are."""
-    columns[column + _NEIGHBOR_AT.present, lane] = 1.0
-    forward, left = neighbor_position(world, agent, k, lane)
+def _look_in_all_lanes(observation, world, agent, other, chain, columns, first, size):
+    """Write another HAV's columns wherever it is one of the nearest."""
+    seen = 0
+    for rank in range(observation.neighbors):
+        seen += _count_seen(world, other, columns, fixed(first + size * rank))
+    if seen == 0:
+        return
+    find_nearest_points(world, agent, other, chain)
+    for rank in range(observation.neighbors):
+        column = fixed(first + size * rank)
+        if _count_seen(world, other, columns, column) > 0:
+            for lane in range(world.lanes):
+                nearest = chain[NEAREST_X, lane], chain[NEAREST_Y, lane]
+                if _is_seen(columns, column, other, lane):
+                    _look_at_hav(world, agent, other, nearest, columns, column, lane)
+
+
+@kernel
+def _is_seen(columns, column, other, lane):
+    """Tell whether a HAV is the neighbour whose columns begin at one."""
+    present = columns[column + _NEIGHBOR_AT.present, lane] > 0.0
+    return present & (columns[column + _NEIGHBOR_AT.distance, lane] == other)
+
+
+@kernel
+def _count_seen(world, other, columns, column):
+    """Return in how many lanes a HAV is the neighbour whose columns begin at one."""
+    seen = 0
+    for lane in range(world.lanes):
+        seen += _is_seen(columns, column, other, lane)
+    return seen
+
+
+@kernel
+def _look_at_hav(world, agent, other, nearest, columns, column, lane):
+    """Write columns in metres: places as forward and left, distances as they are."""
+    forward, left = place_of(world, agent, other, lane)
     columns[column + _NEIGHBOR_AT.bearing_cosine, lane] = forward
     columns[column + _NEIGHBOR_AT.bearing_sine, lane] = left
-    cosine, sine = neighbor_heading_direction(world, agent, k, lane)
-    write_direction(columns, column + _NEIGHBOR_AT.heading_cosine, lane, cosine, sine)
-    columns[column + _NEIGHBOR_AT.footprint_radius, lane] = neighbor_footprint(
-        world, agent, k, lane
-    )
-    columns[column + _NEIGHBOR_AT.clearance, lane] = gap
-    columns[column + _NEIGHBOR_AT.truck_length, lane] = neighbor_length(world, agent, k, 0, lane)
-    forward, left = neighbor_nearest_point(world, agent, k, lane)
+    cosine, sine = direction_of(world, agent, other, lane)
+    columns[column + _NEIGHBOR_AT.heading_cosine, lane] = cosine
+    columns[column + _NEIGHBOR_AT.heading_sine, lane] = sine
+    columns[column + _NEIGHBOR_AT.footprint_radius, lane] = own_footprint(world, other, lane)
+    columns[column + _NEIGHBOR_AT.truck_length, lane] = unit_length(world, other, 0, lane)
+    forward, left = nearest
     columns[column + _NEIGHBOR_AT.chain_bearing_cosine, lane] = forward
     columns[column + _NEIGHBOR_AT.chain_bearing_sine, lane] = left
+
+
+@in_single
+@kernel
+def _scale_signed(distance):
+    """Return a distance [m] that may be below zero on the scale of distances."""
+    scaled = scale_distance(abs(distance))
+    return -scaled if distance < 0.0 else scaled
 
 
 @kernel
 def _scale_neighbor(world, columns, column):
     """Turn metres into what a row holds; zeros stay zeros."""
     for lane in range(world.lanes):
-        forward = columns[column + _NEIGHBOR_AT.bearing_cosine, lane]
-        left = columns[column + _NEIGHBOR_AT.bearing_sine, lane]
+        forward = single(columns[column + _NEIGHBOR_AT.bearing_cosine, lane])
+        left = single(columns[column + _NEIGHBOR_AT.bearing_sine, lane])
         write_place(columns, column + _NEIGHBOR_AT.distance, lane, forward, left)
+        cosine = columns[column + _NEIGHBOR_AT.heading_cosine, lane]
+        sine = columns[column + _NEIGHBOR_AT.heading_sine, lane]
+        write_direction(columns, column + _NEIGHBOR_AT.heading_cosine, lane, cosine, sine)
     for lane in range(world.lanes):
-        forward = columns[column + _NEIGHBOR_AT.chain_bearing_cosine, lane]
-        left = columns[column + _NEIGHBOR_AT.chain_bearing_sine, lane]
+        forward = single(columns[column + _NEIGHBOR_AT.chain_bearing_cosine, lane])
+        left = single(columns[column + _NEIGHBOR_AT.chain_bearing_sine, lane])
         write_place(columns, column + _NEIGHBOR_AT.chain_distance, lane, forward, left)
     for lane in range(world.lanes):
-        gap = columns[column + _NEIGHBOR_AT.clearance, lane]
-        scaled = scale_distance(abs(gap))
-        columns[column + _NEIGHBOR_AT.clearance, lane] = -scaled if gap < 0.0 else scaled
-        footprint = columns[column + _NEIGHBOR_AT.footprint_radius, lane]
+        gap = single(columns[column + _NEIGHBOR_AT.clearance, lane])
+        columns[column + _NEIGHBOR_AT.clearance, lane] = _scale_signed(gap)
+        footprint = single(columns[column + _NEIGHBOR_AT.footprint_radius, lane])
         columns[column + _NEIGHBOR_AT.footprint_radius, lane] = scale_distance(footprint)
-        truck = columns[column + _NEIGHBOR_AT.truck_length, lane]
+        truck = single(columns[column + _NEIGHBOR_AT.truck_length, lane])
         columns[column + _NEIGHBOR_AT.truck_length, lane] = scale_length(truck)
 
 
@@ -178,7 +241,7 @@ def _observe_chain(world, agent, k, columns, column, lane):
         first = column + joint - 1
         length = neighbor_length(world, agent, k, joint, lane)
         cosine, sine = neighbor_articulation(world, agent, k, joint, lane)
-        columns[first + _CHAIN_AT.length * joints, lane] = scale_length(length)
+        columns[first + _CHAIN_AT.length * joints, lane] = scale_length(single(length))
         columns[first + _CHAIN_AT.articulation_cosine * joints, lane] = clip(cosine, -1.0, 1.0)
         columns[first + _CHAIN_AT.articulation_sine * joints, lane] = clip(sine, -1.0, 1.0)
 

@@ -2,8 +2,7 @@
 
 import math
 
-from hav_env.compiled import fixed, kernel
-from hav_env.maths.elementary import atan2
+from hav_env.compiled import fixed, in_single, kernel, single
 from hav_env.maths.geometry import clip
 from hav_env.observation.columns import (
     SPEED_UNIT,
@@ -18,16 +17,25 @@ from hav_env.observation.columns import (
     write_place,
 )
 from hav_env.observation.route import steering_along
+from hav_env.observation.scratch import (
+    APPROACH_FORWARD,
+    APPROACH_LEFT,
+    DRIVABLE_RADIUS,
+    GOAL_COSINE,
+    GOAL_FORWARD,
+    GOAL_LEFT,
+    GOAL_SINE,
+    STABLE_RADIUS,
+    STEERING_MAX,
+    WHEELBASE,
+)
 from hav_env.world.sensing import (
+    articulation,
     articulation_direction,
-    drivable_radius,
-    goal_direction,
-    goal_pose,
     goals_left,
     limits,
     num_trailers,
     own_footprint,
-    stable_radius,
     unit_length,
     waits,
 )
@@ -68,18 +76,29 @@ def count_unit_columns(max_trailers):
     return max_trailers + 1 + len(_JOINT_AT) * max_trailers
 
 
+@in_single
 @kernel
-def observe_itself(world, agent, columns, units):
+def _share_of(bend, limit):
+    """Return an articulation as a share of its limit, cut to -1 and 1."""
+    return clip(bend / limit, -1.0, 1.0)
+
+
+@kernel
+def observe_itself(world, agent, scratch, columns, units):
     """Write the columns of the HAV, of its goal and of its units.
 
     Args:
         world: a block.
         agent: which HAV.
-        columns: (D, W) to be written.
+        scratch: as ``plan_route`` left it.
+        columns: (D, L) to be written.
         units: the first column of the units.
     """
-    num_units, per_goal = world.state.heading.shape[1], 1.0 / world.goals.shape[1]
-    joints = num_units - 1
+    num_units, per_goal, rows = (
+        world.state.heading.shape[1],
+        1.0 / world.goals.shape[1],
+        scratch.rows,
+    )
     for lane in range(world.lanes):
         speed, steering, articulation = limits(world, agent, lane)
         columns[_OWN_AT.waits, lane] = 1.0 if waits(world, agent, lane) else 0.0
@@ -88,38 +107,53 @@ def observe_itself(world, agent, columns, units):
         columns[_OWN_AT.steering_max, lane] = steering * (2.0 / math.pi)
         columns[_OWN_AT.articulation_max, lane] = articulation * (1.0 / math.pi)
     for lane in range(world.lanes):
+        columns[_OWN_AT.footprint_radius, lane] = own_footprint(world, agent, lane)
         columns[_OWN_AT.largest_articulation, lane] = 0.0
-        columns[_OWN_AT.stable_radius, lane] = scale_distance(stable_radius(world, agent, lane))
-        steepest = steering_along(world, agent, drivable_radius(world, agent, lane), lane)
-        columns[_OWN_AT.drivable_steering, lane] = steepest
-        columns[_OWN_AT.footprint_radius, lane] = scale_distance(own_footprint(world, agent, lane))
     for lane in range(world.lanes):
-        forward, left, _ = goal_pose(world, agent, lane)
-        cosine, sine = goal_direction(world, agent, lane)
-        before = unit_length(world, agent, 0, lane)
-        ahead, aside = forward - before * cosine, left - before * sine
+        stable, wheelbase = single(rows[STABLE_RADIUS, lane]), single(rows[WHEELBASE, lane])
+        footprint = single(columns[_OWN_AT.footprint_radius, lane])
+        columns[_OWN_AT.stable_radius, lane] = scale_distance(stable)
+        columns[_OWN_AT.footprint_radius, lane] = scale_distance(footprint)
+        columns[_OWN_AT.drivable_steering, lane] = steering_along(
+            wheelbase, single(rows[DRIVABLE_RADIUS, lane]), single(rows[STEERING_MAX, lane])
+        )
+    for lane in range(world.lanes):
+        forward, left = single(rows[GOAL_FORWARD, lane]), single(rows[GOAL_LEFT, lane])
         write_place(columns, _OWN_AT.goal_distance, lane, forward, left)
+        cosine, sine = rows[GOAL_COSINE, lane], rows[GOAL_SINE, lane]
         write_direction(columns, _OWN_AT.goal_heading_cosine, lane, cosine, sine)
-        write_place(columns, _OWN_AT.approach_distance, lane, ahead, aside)
+    for lane in range(world.lanes):
+        forward, left = single(rows[APPROACH_FORWARD, lane]), single(rows[APPROACH_LEFT, lane])
+        write_place(columns, _OWN_AT.approach_distance, lane, forward, left)
     for number in range(num_units):
         unit = fixed(number)
         for lane in range(world.lanes):
             present = unit <= num_trailers(world, agent, lane)
-            length = scale_length(unit_length(world, agent, unit, lane))
+            length = scale_length(single(unit_length(world, agent, unit, lane)))
             columns[units + unit, lane] = length if present else 0.0
-    for number in range(1, num_units):
+    _observe_joints(world, agent, columns, units + num_units)
+
+
+@kernel
+def _observe_joints(world, agent, columns, first):
+    """Write the columns of the joints, from column ``first`` on, and the largest articulation."""
+    joints = world.state.heading.shape[1] - 1
+    for number in range(1, joints + 1):
         joint = fixed(number)
-        first = units + num_units + joint - 1
-        cosines = first + _JOINT_AT.articulation_cosine * joints
-        sines = first + _JOINT_AT.articulation_sine * joints
+        cosines = first + joint - 1 + _JOINT_AT.articulation_cosine * joints
+        sines = first + joint - 1 + _JOINT_AT.articulation_sine * joints
         for lane in range(world.lanes):
             present = joint <= num_trailers(world, agent, lane)
             cosine, sine = articulation_direction(world, agent, joint, lane)
-            bend = atan2(sine, cosine) / limits(world, agent, lane)[2] if present else 0.0
-            largest = columns[_OWN_AT.largest_articulation, lane]
-            larger = abs(bend) > abs(largest)
-            columns[_OWN_AT.largest_articulation, lane] = (
-                clip(bend, -1.0, 1.0) if larger else largest
-            )
             columns[cosines, lane] = clip(cosine, -1.0, 1.0) if present else 0.0
             columns[sines, lane] = clip(sine, -1.0, 1.0) if present else 0.0
+        for lane in range(world.lanes):
+            present = joint <= num_trailers(world, agent, lane)
+            bend = single(articulation(world, agent, joint, lane) if present else 0.0)
+            largest = single(columns[_OWN_AT.largest_articulation, lane])
+            larger = abs(bend) > abs(largest)
+            columns[_OWN_AT.largest_articulation, lane] = bend if larger else largest
+    for lane in range(world.lanes):
+        _, _, limit = limits(world, agent, lane)
+        largest = single(columns[_OWN_AT.largest_articulation, lane])
+        columns[_OWN_AT.largest_articulation, lane] = _share_of(largest, single(limit))

@@ -12,10 +12,11 @@ from hav_env.models.memory import check_memory
 from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.models.quantities import Threads, Worlds
 from hav_env.scenarios import PlacementError, check_scenario
-from hav_env.simulator.transition import begin, ended, remove_arrived, step
+from hav_env.simulator.beginning import begin
+from hav_env.simulator.transition import ended, remove_arrived, step
 from hav_env.simulator.trial import try_scenario, try_vehicle
 from hav_env.vehicles import OnAxle, check_vehicle
-from hav_env.world.arrays import World, allocate_worlds, world_size
+from hav_env.world.arrays import EPISODE, SEED, World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
 from hav_env.world.task import Task, check_at_once, check_task
 
@@ -23,14 +24,14 @@ _FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
 
 
 @entry
-def begin_worlds(first, last, scenario, task, worlds, seeds, episodes, placed):
-    """Start an episode in each of a range of worlds but those where ``placed`` is true.
+def begin_worlds(first, last, scenario, task, worlds, placed):
+    """Start the episodes whose keys the clock of a range of worlds holds, block by block.
 
-    It becomes true where the scenario found room.
+    ``placed`` becomes true where the scenario found room.
     """
-    for w in range(first, last):
-        if not placed[w]:
-            placed[w] = begin(scenario, task, worlds, w, seeds[w], episodes[w])
+    for start in range(first, last, LANES):
+        block = block_of(worlds, start, min(LANES, last - start), worlds.units)
+        begin(scenario, task, block, placed[start:])
 
 
 @entry
@@ -86,12 +87,10 @@ class Batch:
         self.num_worlds = int(num_worlds)
         self.threads = threads
         self._begun = False
-        units, goals = self.scenario.max_trailers + 1, self.scenario.num_goals
-        shape = self.scenario.num_havs, units, goals, self.task.continuous_collisions
-        self.bytes_per_world = world_size(*shape)
-        check_memory("num_havs", shape[0], self.bytes_per_world)
+        self.bytes_per_world = world_size(*_shape(self.scenario, self.task))
+        check_memory("num_havs", self.scenario.num_havs, self.bytes_per_world)
         check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
-        self.worlds: World = allocate_worlds(self.num_worlds, *shape)
+        self.worlds: World = worlds_for(self.scenario, self.task, self.num_worlds)
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
         """Begin an episode in every world.
@@ -113,17 +112,10 @@ class Batch:
             raise ValueError(
                 f"episodes has shape {episodes.shape}, not (W,) = ({self.num_worlds},)"
             )
-        placed = np.zeros(self.num_worlds, np.bool_)
-        begin_worlds(
-            self.num_worlds,
-            self.scenario,
-            self.task,
-            self.worlds,
-            np.full(self.num_worlds, seed, np.int64),
-            episodes,
-            placed,
-            threads=self.num_threads,
-        )
+        clock, placed = self.worlds.state.clock, np.zeros(self.num_worlds, np.bool_)
+        clock[SEED], clock[EPISODE] = seed, episodes
+        models = self.scenario, self.task
+        begin_worlds(self.num_worlds, *models, self.worlds, placed, threads=self.num_threads)
         check_placed(placed, self.scenario)
         self._begun = True
 
@@ -170,6 +162,16 @@ class Batch:
         return ended(self.task, self.worlds, slice(None))
 
 
+def worlds_for(scenario: Any, task: Task, num_worlds: int) -> World:
+    """Return the arrays of worlds in which episodes of a scenario may begin."""
+    return allocate_worlds(num_worlds, *_shape(scenario, task))
+
+
+def _shape(scenario: Any, task: Task) -> tuple[int, int, int, bool]:
+    units = scenario.max_trailers + 1
+    return scenario.num_havs, units, scenario.num_goals, task.continuous_collisions
+
+
 def check_seed(seed: Any) -> None:
     """Raise ValueError or TypeError unless the seed is a whole number of 32 bits."""
     check_value("seed", Seed, seed)
@@ -196,8 +198,9 @@ def read_episodes(episodes: Any) -> np.ndarray:
 
 def check_placed(placed: np.ndarray, scenario: Scenario) -> None:
     """Raise PlacementError when a world had no room for its HAVs."""
-    if not placed.all():
+    missing = placed.size - np.count_nonzero(placed)
+    if missing > 0:
         raise PlacementError(
-            f"{np.count_nonzero(~placed)} of {placed.size} worlds have no room for"
+            f"{missing} of {placed.size} worlds have no room for"
             f" {scenario.num_havs} HAVs without potential collisions: {scenario}"
         )

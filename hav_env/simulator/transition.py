@@ -1,19 +1,16 @@
-"""This module steps a block of worlds, and begins and ends their episodes.
+"""This module steps a block of worlds, and ends their episodes.
 
 It is the whole transition of the decision process: motion, events, goals, time.
 """
 
 from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.geometry import clip
-from hav_env.scenarios import populate
 from hav_env.vehicles import move
 from hav_env.world.arrays import (
     ACTUAL,
-    EPISODE,
     JACKKNIFE,
     PHASE,
     REMOVED,
-    SEED,
     SPEED,
     STEERING,
     STEP,
@@ -21,9 +18,8 @@ from hav_env.world.arrays import (
     goal_under_way,
     is_removed,
 )
-from hav_env.world.collision import enclose
-from hav_env.world.continuous_collision import enclose_way, note_axles
-from hav_env.world.events import clear_record, record_collisions, record_motion
+from hav_env.world.continuous_collision import note_axles
+from hav_env.world.events import record_collisions, record_motion
 from hav_env.world.goals import assign_goal, record_approach
 from hav_env.world.lanes import block_of, moving_block
 from hav_env.world.neighborhood import find_nearby
@@ -31,29 +27,6 @@ from hav_env.world.task import ALONE, END, REMOVE
 
 # x of the first removed HAV and the distance from one to the next [m]
 _REMOVED_X, _REMOVED_SPACING = 1e13, 1e8
-
-
-@kernel
-def begin(scenario, task, world, lane, seed, episode):
-    """Start an episode in one lane; return whether the scenario found room for its HAVs."""
-    state = world.state
-    state.clock[SEED, lane], state.clock[EPISODE, lane] = seed, episode
-    state.clock[STEP, lane] = 0
-    state.speed[..., lane] = 0.0
-    state.steering[..., lane] = 0.0
-    state.ahead[..., lane] = 0.0
-    clear_record(world.record, lane)
-    placed = populate(scenario, world, lane)
-    for agent in range(state.x.shape[0]):
-        assign_goal(world, agent, lane, 0)
-    alone = block_of(world, lane, 1, world.units)
-    for agent in range(state.x.shape[0]):
-        enclose(alone, agent)
-        if task.continuous_collisions:
-            note_axles(alone, agent)
-    find_nearby(task, alone)
-    record_collisions(task, alone)
-    return placed
 
 
 @kernel
@@ -92,10 +65,6 @@ def move_hav(task, vehicle, world, agent, speed, steering):
     move(vehicle, task.dt, moving, agent)
     events = record_motion(task, moving, agent)
     hits = record_approach(task, moving, agent)
-    if world.state.x.shape[0] > 1:
-        enclose(moving, agent)
-        if task.continuous_collisions:
-            enclose_way(moving, agent)
     return events, hits
 
 
@@ -178,10 +147,8 @@ def _remove_arrived(task, world):
             if arrived(world, agent, lane) and not is_removed(world, agent, lane):
                 world.record.total[agent, REMOVED, lane] = 1.0
                 world.state.x[agent, lane] = _REMOVED_X + _REMOVED_SPACING * agent
-                alone = block_of(world, lane, 1, world.units)
-                enclose(alone, agent)
                 if task.continuous_collisions:
-                    note_axles(alone, agent)
+                    note_axles(block_of(world, lane, 1, world.units), agent)
 
 
 @kernel

@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 from hav_env.scenarios import RandomFleet, RandomPoses, populate
+from hav_env.simulator.beginning import begin
 from hav_env.simulator.names_used import undefined_name
-from hav_env.simulator.transition import begin
 from hav_env.vehicles import move
-from hav_env.world.arrays import World, allocate_worlds
-from hav_env.world.lanes import block_of
+from hav_env.world.arrays import EPISODE, World, allocate_worlds
 from hav_env.world.task import Task
 
 LANES_TRIED, HAVS_TRIED = 2, 3
@@ -96,7 +95,7 @@ def sample_worlds(num_havs: int = HAVS_TRIED, num_goals: int = 2, max_trailers: 
     fleet = RandomFleet(max_trailers=max_trailers)
     scenario = RandomPoses(num_havs=num_havs, num_goals=num_goals, fleet=fleet)
     worlds = allocate_worlds(LANES_TRIED, num_havs, max_trailers + 1, num_goals)
-    for lane in range(LANES_TRIED):
-        begin(scenario, Task(sensing_range=_EVERYBODY), worlds, lane, 0, lane)
+    worlds.state.clock[EPISODE] = np.arange(LANES_TRIED)
+    begin(scenario, Task(sensing_range=_EVERYBODY), worlds, np.zeros(LANES_TRIED, np.bool_))
     worlds.state.speed[:] = 1.0
-    return block_of(worlds, 0, LANES_TRIED, worlds.units)
+    return worlds

@@ -61,17 +61,24 @@ FEW = 16  # HAVs up to which looking at all pairs is quicker than a grid
 
 
 class Nearby(NamedTuple):
-    """The neighbours of each HAV within sensing range, found anew after every step."""
+    """The neighbours of each HAV within sensing range, found anew after every step.
+
+    Only pairs of HAVs that are on a list of candidates may be neighbours, see
+    ``hav_env.world.neighborhood``. The world is the first axis of what one world alone is searched
+    for and filled with.
+    """
 
     count: Array  # (N, W)
-    index: Array  # (N, N - 1, W) in ascending order
-    box: Array  # (N, 6, W) round the chain of a HAV, columns LEFT .. END_Y [m]
-    were: Array  # (N, 2 + 2 U, W) x and y of the axles before the step; empty if not asked for
+    index: Array  # (W, N, N - 1) int16, in ascending order
+    circle: Array  # (N, 3, W) columns CENTER_X .. RADIUS [m]: in it a HAV leaves the list valid
+    num_pairs: Array  # (W,) on the list
+    pair: Array  # (W, N (N - 1) / 2, 3) int16: the list in ascending order, columns LOWER .. CLOSE
     grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; for small swarms empty
-    place: Array  # (W, 3, N) scratch of the search: x, y, reach
+    were: Array  # (N, 2 + 2 U, W) x and y of the axles before the step; empty if not asked for
 
 
-LEFT, RIGHT, LOW, HIGH, END_X, END_Y = range(6)  # the end is the last axle
+CENTER_X, CENTER_Y, RADIUS = range(3)
+LOWER, HIGHER, CLOSE = range(3)  # the two HAVs; 1 if they are so close that they may touch, else 0
 COLUMN, ROW, NEXT, BUCKET = range(4)  # cell of a HAV; next HAV in its bucket; first in a bucket
 
 
@@ -135,7 +142,7 @@ def allocate_worlds(
     """
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
     buckets = 1 << (2 * n - 1).bit_length()  # a power of two, at least twice the HAVs
-    searched = n if n > FEW else 0
+    num_pairs = n * (n - 1) // 2
 
     def real(*shape: int) -> np.ndarray:
         return zeros((*shape, w), np.float64)
@@ -154,11 +161,12 @@ def allocate_worlds(
         real(n, g, 3),
         Nearby(
             whole(n),
-            whole(n, n - 1),
-            real(n, 6),
+            zeros((w, n, n - 1), np.int16),
+            real(n, 3),
+            whole(),
+            zeros((w, num_pairs, 3), np.int16),
+            zeros((w, 4, buckets if n > FEW else 0), np.int64),
             real(n, 2 + 2 * u if continuous else 0),
-            zeros((w, 4, buckets if searched else 0), np.int64),
-            zeros((w, 3, searched), np.float64),
         ),
         Record(whole(n, len(EVENT_ROWS), 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
         0,
@@ -176,6 +184,15 @@ def world_size(num_havs: int, num_units: int, num_goals: int, continuous: bool =
     worlds = allocate_worlds(1, num_havs, num_units, num_goals, continuous, unbacked)
     parts = (*worlds.state, *worlds.fleet, worlds.goals, *worlds.nearby, *worlds.record)
     return sum(part.nbytes for part in parts)
+
+
+@kernel
+def as_place(number):
+    """Return the number of a HAV, kept in 16 bits, as a place in arrays that is never negative.
+
+    Compiled code looks for negative places, from the end of an array, wherever it cannot know.
+    """
+    return int(number & 0x7FFF)
 
 
 @kernel

@@ -2,10 +2,13 @@
 
 import math
 
-from hav_env.compiled import kernel
+from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import nearest_on_segment, segments_intersect
-from hav_env.world.arrays import END_X, END_Y, FOOTPRINT, HIGH, LEFT, LOW, RIGHT
+from hav_env.world.arrays import FOOTPRINT
 from hav_env.world.chain import axle_behind, front_axle
+
+# more than rounding moves the axles of chains, even 1e13 m from the origin [m]
+AXLE_ROUNDING = 0.1
 
 
 @kernel
@@ -51,36 +54,47 @@ def reach(fleet, agent, lane):
 
 
 @kernel
-def enclose(world, agent):
-    """Find the box round the chain of axles of a HAV, in every lane of a block."""
-    box = world.nearby.box
-    for lane in range(world.lanes):
-        x, y = front_axle(world, agent, lane)
-        box[agent, LEFT, lane] = box[agent, RIGHT, lane] = box[agent, END_X, lane] = x
-        box[agent, LOW, lane] = box[agent, HIGH, lane] = box[agent, END_Y, lane] = y
-    for unit in range(world.units):
-        for lane in range(world.lanes):
-            x, y = box[agent, END_X, lane], box[agent, END_Y, lane]
-            x, y = axle_behind(world, agent, unit, lane, x, y)
-            box[agent, LEFT, lane] = min(box[agent, LEFT, lane], x)
-            box[agent, RIGHT, lane] = max(box[agent, RIGHT, lane], x)
-            box[agent, LOW, lane] = min(box[agent, LOW, lane], y)
-            box[agent, HIGH, lane] = max(box[agent, HIGH, lane], y)
-            box[agent, END_X, lane], box[agent, END_Y, lane] = x, y
+def circle_radius(task, fleet, agent, lane):
+    """Return the radius [m] round the truck's rear axle that holds its circle of the task."""
+    share = task.potential_center + task.potential_truck_share
+    return fleet.radius[agent, FOOTPRINT, lane] + share * fleet.length[agent, 0, lane]
 
 
 @kernel
-def boxes_overlap(world, agent, other, lane):
-    """Tell whether the boxes round two HAVs, as ``enclose`` found them, have a point in common."""
-    box = world.nearby.box
-    apart = box[agent, RIGHT, lane] < box[other, LEFT, lane]
-    apart = apart | (box[other, RIGHT, lane] < box[agent, LEFT, lane])
-    apart = apart | (box[agent, HIGH, lane] < box[other, LOW, lane])
-    apart = apart | (box[other, HIGH, lane] < box[agent, LOW, lane])
+def squared_distance(world, agent, other, lane):
+    """Return the squared distance [m^2] between the rear axles of two trucks."""
+    dx = world.state.x[other, lane] - world.state.x[agent, lane]
+    dy = world.state.y[other, lane] - world.state.y[agent, lane]
+    return dx * dx + dy * dy
+
+
+@kernel
+def within(squared, limit):
+    """Tell whether a distance, given its square [m^2], is at most a limit [m], at least 0."""
+    return squared <= limit * limit
+
+
+@kernel
+def box_of(world, agent, lane):
+    """Return the box round the chain of axles of a HAV: least x, greatest x, likewise y [m]."""
+    x, y = front_axle(world, agent, lane)
+    left, right, low, high = x, x, y, y
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        x, y = axle_behind(world, agent, unit, lane, x, y)
+        left, right, low, high = min(left, x), max(right, x), min(low, y), max(high, y)
+    return left, right, low, high
+
+
+@kernel
+def boxes_overlap(one, other):
+    """Tell whether two boxes, as ``box_of`` returns them, have a point in common."""
+    left, right, low, high = one
+    other_left, other_right, other_low, other_high = other
+    apart = (right < other_left) | (other_right < left) | (high < other_low) | (other_high < low)
     return not apart
 
 
-@kernel
+@rare_kernel
 def actual_collision(world, agent, other, lane):
     """Tell whether the chains of axles of two HAVs have a point in common, eq. (collision).
 

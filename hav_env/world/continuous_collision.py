@@ -8,8 +8,8 @@ import math
 
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import segments_intersect
-from hav_env.world.arrays import HIGH, LEFT, LOW, RIGHT
 from hav_env.world.chain import axle_behind, front_axle
+from hav_env.world.collision import AXLE_ROUNDING, box_of, reach, squared_distance, within
 
 
 @rare_kernel
@@ -87,23 +87,31 @@ def note_axles(world, agent):
 
 
 @kernel
-def enclose_way(world, agent):
-    """Widen the box round the chain of a HAV to where its axles were before the step."""
-    were, box = world.nearby.were, world.nearby.box
-    for axle in range(world.units + 1):
-        for lane in range(world.lanes):
-            x, y = were[agent, 2 * axle, lane], were[agent, 2 * axle + 1, lane]
-            box[agent, LEFT, lane] = min(box[agent, LEFT, lane], x)
-            box[agent, RIGHT, lane] = max(box[agent, RIGHT, lane], x)
-            box[agent, LOW, lane] = min(box[agent, LOW, lane], y)
-            box[agent, HIGH, lane] = max(box[agent, HIGH, lane], y)
-
-
-@kernel
 def _was(world, agent, axle, lane):
     """Return where an axle was before the step [m]."""
     were = world.nearby.were
     return were[agent, 2 * axle, lane], were[agent, 2 * axle + 1, lane]
+
+
+@kernel
+def may_meet(world, agent, other, lane):
+    """Tell whether two HAVs are so near that their chains may have met since the step before."""
+    limit = AXLE_ROUNDING
+    for hav in (agent, other):
+        x, y = _was(world, hav, 1, lane)
+        way_x, way_y = world.state.x[hav, lane] - x, world.state.y[hav, lane] - y
+        limit += reach(world.fleet, hav, lane) + math.sqrt(way_x * way_x + way_y * way_y)
+    return within(squared_distance(world, agent, other, lane), limit)
+
+
+@kernel
+def box_of_way(world, agent, lane):
+    """Return the box round the chain of a HAV and where its axles were before the step."""
+    left, right, low, high = box_of(world, agent, lane)
+    for axle in range(world.fleet.num_trailers[agent, lane] + 2):
+        x, y = _was(world, agent, axle, lane)
+        left, right, low, high = min(left, x), max(right, x), min(low, y), max(high, y)
+    return left, right, low, high
 
 
 @rare_kernel

@@ -1,17 +1,15 @@
 """This module tests and records events: jackknifes and collisions."""
 
-import math
-
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.world.arrays import (
     ACTUAL,
     ARTICULATION,
-    FEW,
-    HIT_STEP,
+    CLOSE,
+    HIGHER,
     JACKKNIFE,
     LARGEST,
-    MISS_COUNT,
+    LOWER,
     MOVED,
     NEVER,
     PATH,
@@ -19,21 +17,17 @@ from hav_env.world.arrays import (
     STEP,
     WHEN,
     WHERE,
+    as_place,
 )
-from hav_env.world.collision import actual_collision, boxes_overlap, potential_collision
-from hav_env.world.continuous_collision import collision_between
+from hav_env.world.collision import (
+    actual_collision,
+    box_of,
+    boxes_overlap,
+    potential_collision,
+)
+from hav_env.world.continuous_collision import box_of_way, collision_between, may_meet
+from hav_env.world.neighborhood import in_range
 from hav_env.world.task import records
-
-
-@kernel
-def clear_record(record, lane):
-    """Forget everything: the episode begins."""
-    record.first[..., lane] = NEVER
-    record.total[..., lane] = 0.0
-    record.goal[..., lane] = math.nan
-    record.goal[:, :, HIT_STEP, lane] = NEVER
-    record.miss[..., lane] = math.nan
-    record.miss[:, :, :, MISS_COUNT, lane] = 0.0
 
 
 @kernel
@@ -96,73 +90,68 @@ def _record_jackknifes(task, world, agent):
 def record_collisions(task, world):
     """Record the first potential and the first actual collision of every HAV.
 
-    Actual collisions between steps count if the task says so.
+    Actual collisions between steps count if the task says so. All pairs that may have collided are
+    among the candidates of the search for neighbours, which comes first.
 
     Returns:
-        How many pairs of HAVs may have collided for the first time.
+        How many pairs of HAVs collided for the first time.
     """
-    num_havs, all_news = world.state.x.shape[0], 0
-    # wider circles than the text's may meet out of sensing range
-    widened = task.potential_center > 0.0 or task.potential_truck_share > 0.0
-    if num_havs <= FEW or widened:
-        for agent in range(num_havs):
-            for other in range(agent + 1, num_havs):
-                news = 0
-                for lane in range(world.lanes):
-                    news += _may_be_news(task, world, agent, other, lane)
-                if news > 0:
-                    _record_pairs(task, world, agent, other)
-                all_news += news
-    else:
-        for lane in range(world.lanes):
-            for agent in range(num_havs):
-                for k in range(world.nearby.count[agent, lane]):
-                    other = world.nearby.index[agent, k, lane]
-                    if other > agent:  # a pair is looked at once
-                        _record_pair(task, world, agent, other, lane)
-                        all_news += 1
-    return all_news
+    news = 0
+    for lane in range(world.lanes):
+        if not records(task, world.state.clock[STEP, lane]):
+            continue
+        pair = world.nearby.pair[world.first + lane]
+        for place in range(world.nearby.num_pairs[lane]):
+            agent, other = as_place(pair[place, LOWER]), as_place(pair[place, HIGHER])
+            if pair[place, CLOSE]:
+                news += _record_potential(task, world, agent, other, lane)
+                if not task.continuous_collisions:
+                    news += _record_actual(world, agent, other, lane)
+            if task.continuous_collisions and in_range(task, world, agent, other, lane):
+                news += _record_between(world, agent, other, lane)
+    return news
 
 
 @kernel
-def _may_be_news(task, world, agent, other, lane):
-    """Tell whether there is a first potential collision, or maybe a first actual one."""
-    first = world.record.first
-    potential = _is_new(first, POTENTIAL, agent, other, lane)
-    actual = _is_new(first, ACTUAL, agent, other, lane)
-    return (potential & potential_collision(task, world, agent, other, lane)) | (
-        actual & boxes_overlap(world, agent, other, lane)
+def _record_potential(task, world, agent, other, lane):
+    """Record a potential collision, if it is one and new; return whether it is."""
+    happened = _is_new(world.record.first, POTENTIAL, agent, other, lane) and (
+        potential_collision(task, world, agent, other, lane)
     )
+    if happened:
+        _record_both(world, POTENTIAL, agent, other, lane)
+    return happened
+
+
+@kernel
+def _record_actual(world, agent, other, lane):
+    """Record an actual collision, if it is one and new; return whether it is."""
+    happened = _is_new(world.record.first, ACTUAL, agent, other, lane) and (
+        boxes_overlap(box_of(world, agent, lane), box_of(world, other, lane))
+        and actual_collision(world, agent, other, lane)
+    )
+    if happened:
+        _record_both(world, ACTUAL, agent, other, lane)
+    return happened
+
+
+@kernel
+def _record_between(world, agent, other, lane):
+    """Record an actual collision since the step before; see ``_record_actual``."""
+    happened = _is_new(world.record.first, ACTUAL, agent, other, lane) and (
+        may_meet(world, agent, other, lane)
+        and boxes_overlap(box_of_way(world, agent, lane), box_of_way(world, other, lane))
+        and collision_between(world, agent, other, lane)
+    )
+    if happened:
+        _record_both(world, ACTUAL, agent, other, lane)
+    return happened
 
 
 @kernel
 def _is_new(first, event, agent, other, lane):
     own, others = first[agent, event, WHEN, lane], first[other, event, WHEN, lane]
     return (own == NEVER) | (others == NEVER)
-
-
-@rare_kernel
-def _record_pairs(task, world, agent, other):
-    for lane in range(world.lanes):
-        _record_pair(task, world, agent, other, lane)
-
-
-@kernel
-def _record_pair(task, world, agent, other, lane):
-    if not records(task, world.state.clock[STEP, lane]):
-        return
-    first = world.record.first
-    new_potential = _is_new(first, POTENTIAL, agent, other, lane)
-    if new_potential and potential_collision(task, world, agent, other, lane):
-        _record_both(world, POTENTIAL, agent, other, lane)
-    new_actual = _is_new(first, ACTUAL, agent, other, lane)
-    may_touch = new_actual and boxes_overlap(world, agent, other, lane)
-    between = task.continuous_collisions
-    if may_touch and (
-        (between and collision_between(world, agent, other, lane))
-        or (not between and actual_collision(world, agent, other, lane))
-    ):
-        _record_both(world, ACTUAL, agent, other, lane)
 
 
 @kernel

@@ -49,7 +49,7 @@ def goals_hit(world, agent, lane):
     return world.state.goal[agent, PHASE, lane] + (1.0 if world.state.waiting[agent, lane] else 0.0)
 
 
-@rare_kernel
+@kernel
 def assign_goal(world, agent, lane, phase):
     """Put one of a HAV's goals under way; record its Dubins distance with R_min."""
     state = world.state

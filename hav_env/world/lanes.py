@@ -10,7 +10,7 @@ from hav_env.world.arrays import Fleet, Nearby, Record, State, World
 LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
 # the same where observations and rewards are written as well: these rows are many, and longer
 # ones are read ahead
-OBSERVED_LANES = 256
+OBSERVED_LANES = 128
 APART = OBSERVED_LANES + VECTOR  # rows at this distance do not drive each other out of the cache
 
 
@@ -41,11 +41,12 @@ def block_of(worlds, first, lanes, units):
         lanes_from(worlds.goals, first),
         Nearby(
             lanes_from(nearby.count, first),
-            lanes_from(nearby.index, first),
-            lanes_from(nearby.box, first),
-            lanes_from(nearby.were, first),
+            nearby.index,
+            lanes_from(nearby.circle, first),
+            lanes_from(nearby.num_pairs, first),
+            nearby.pair,
             nearby.grid,
-            nearby.place,
+            lanes_from(nearby.were, first),
         ),
         Record(
             lanes_from(record.first, first),
@@ -90,7 +91,8 @@ def exchange_lanes(one, lane, other, to):
 def exchange_worlds(one, lane, other, to):
     """Exchange the worlds in two lanes of batches of the same shapes, or of one batch.
 
-    Scratch stays: whoever uses it begins anew.
+    Scratch stays: whoever uses it begins anew. So do lists of candidates, which hold for any HAVs
+    that are in their circles.
     """
     exchange_lanes(one.state.x, lane, other.state.x, to)
     exchange_lanes(one.state.y, lane, other.state.y, to)
@@ -107,14 +109,25 @@ def exchange_worlds(one, lane, other, to):
     exchange_lanes(one.fleet.radius, lane, other.fleet.radius, to)
     exchange_lanes(one.fleet.limit, lane, other.fleet.limit, to)
     exchange_lanes(one.goals, lane, other.goals, to)
-    exchange_lanes(one.nearby.count, lane, other.nearby.count, to)
-    exchange_lanes(one.nearby.index, lane, other.nearby.index, to)
-    exchange_lanes(one.nearby.box, lane, other.nearby.box, to)
+    _exchange_neighbors(one, lane, other, to)
     exchange_lanes(one.nearby.were, lane, other.nearby.were, to)
     exchange_lanes(one.record.first, lane, other.record.first, to)
     exchange_lanes(one.record.total, lane, other.record.total, to)
     exchange_lanes(one.record.goal, lane, other.record.goal, to)
     exchange_lanes(one.record.miss, lane, other.record.miss, to)
+
+
+@kernel
+def _exchange_neighbors(one, lane, other, to):
+    """Exchange the neighbours of two worlds, as far as there are any."""
+    counts, to_counts = one.nearby.count, other.nearby.count
+    index, to_index = one.nearby.index[one.first + lane], other.nearby.index[other.first + to]
+    for agent in range(counts.shape[0]):
+        for k in range(max(counts[agent, lane], to_counts[agent, to])):
+            kept = to_index[agent, k]
+            to_index[agent, k] = index[agent, k]
+            index[agent, k] = kept
+    exchange_lanes(counts, lane, to_counts, to)
 
 
 def view_of(worlds: World, w: int) -> World:
@@ -124,12 +137,12 @@ def view_of(worlds: World, w: int) -> World:
         return type(arrays)(*(array[..., w] for array in arrays))
 
     nearby = worlds.nearby
-    count, index, box, were = (array[..., w] for array in nearby[:4])
+    of_world = nearby.index[w], nearby.circle[..., w], nearby.num_pairs[w], nearby.pair[w]
     return World(
         view(worlds.state),
         view(worlds.fleet),
         worlds.goals[..., w],
-        Nearby(count, index, box, were, nearby.grid, nearby.place),
+        Nearby(nearby.count[..., w], *of_world, nearby.grid[w], nearby.were[..., w]),
         view(worlds.record),
         w,
         1,

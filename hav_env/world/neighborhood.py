@@ -1,98 +1,175 @@
 """This module finds the neighbours of each HAV within sensing range.
 
-In large swarms it searches the cells of a grid, not all pairs.
+Every HAV has a circle round its truck's rear axle. Its radius is the reach of the HAV and half the
+sensing range, or more where the task has wider circles for potential collisions. Two HAVs whose
+circles do not overlap neither sense each other nor collide. A list keeps candidates from step to
+step: the pairs whose circles overlapped when each was wider by a margin. It holds as long as the
+circle of every HAV lies within its wide one of then. That is so whatever has moved the HAVs, and
+whichever world is in the lane.
+
+The candidates of a large swarm are found by the cells of a grid, not among all pairs.
 """
 
-from hav_env.compiled import kernel
+from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import floor
-from hav_env.world.arrays import BUCKET, COLUMN, FEW, NEXT, ROW
-from hav_env.world.collision import reach
+from hav_env.world.arrays import (
+    BUCKET,
+    CENTER_X,
+    CENTER_Y,
+    CLOSE,
+    COLUMN,
+    FEW,
+    HIGHER,
+    LOWER,
+    NEXT,
+    RADIUS,
+    ROW,
+    as_place,
+)
+from hav_env.world.collision import AXLE_ROUNDING, circle_radius, reach, squared_distance, within
+
+# of the longest radius of a world: wider lists hold more candidates, narrower ones hold less long
+_MARGIN = 0.1
+# a little wider, for rounding may move circles that just touch apart
+_WIDER = 1.0 + 1e-9
 
 
 @kernel
 def find_nearby(task, world):
     """List for every HAV the others in sensing range, in ascending order.
 
-    In range is who is at most both reaches and the sensing range away. A large swarm is sorted
-    into buckets by the square cells of a grid; nobody in range is beyond the next cell.
+    In range is who is at most both reaches and the sensing range away.
     """
+    _check_candidates(task, world)
+    for lane in range(world.lanes):
+        if world.nearby.num_pairs[lane] < 0:
+            _list_candidates(task, world, lane)
     for agent in range(world.state.x.shape[0]):
         for lane in range(world.lanes):
             world.nearby.count[agent, lane] = 0
-    if world.state.x.shape[0] <= FEW:
-        _compare_all(task, world)
-    else:
-        for lane in range(world.lanes):
-            _search_grid(task, world, lane)
+    for lane in range(world.lanes):
+        pair = world.nearby.pair[world.first + lane]
+        for place in range(world.nearby.num_pairs[lane]):
+            agent, other = as_place(pair[place, LOWER]), as_place(pair[place, HIGHER])
+            squared = squared_distance(world, agent, other, lane)
+            reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
+            # pairs come in ascending order, so each list does
+            near = 1 if within(squared, reaches + task.sensing_range) else 0
+            _append(world, agent, other, lane, near)
+            _append(world, other, agent, lane, near)
+            circles = circle_radius(task, world.fleet, agent, lane)
+            circles += circle_radius(task, world.fleet, other, lane)
+            pair[place, CLOSE] = 1 if within(squared, max(reaches, circles) + AXLE_ROUNDING) else 0
 
 
 @kernel
-def _compare_all(task, world):
-    for agent in range(world.state.x.shape[0]):
-        for other in range(agent + 1, world.state.x.shape[0]):
-            for lane in range(world.lanes):
-                dx = world.state.x[other, lane] - world.state.x[agent, lane]
-                dy = world.state.y[other, lane] - world.state.y[agent, lane]
-                reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
-                if _in_range(task, dx, dy, reaches):
-                    _append(world.nearby, agent, other, lane)
-                    _append(world.nearby, other, agent, lane)
+def in_range(task, world, agent, other, lane):
+    """Tell whether two HAVs are in sensing range of each other."""
+    reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
+    return within(squared_distance(world, agent, other, lane), reaches + task.sensing_range)
 
 
 @kernel
-def _in_range(task, dx, dy, reaches):
-    limit = reaches + task.sensing_range
-    return dx * dx + dy * dy <= limit * limit
+def _append(world, agent, other, lane, near):
+    """Write a HAV behind the neighbours of another; it counts as one of them if ``near`` is 1.
 
-
-@kernel
-def _append(nearby, agent, other, lane):
-    nearby.index[agent, nearby.count[agent, lane], lane] = other
-    nearby.count[agent, lane] += 1
-
-
-@kernel
-def _search_grid(task, world, lane):
-    """Search one world.
-
-    All lanes of a block use the same scratch. HAVs lie side by side there, as they do not in the
-    arrays of the worlds.
+    A branch would often be mispredicted.
     """
-    grid, place = world.nearby.grid[world.first], world.nearby.place[world.first]
-    num_havs = world.state.x.shape[0]
+    place = as_place(world.nearby.count[agent, lane])
+    world.nearby.index[world.first + lane, agent, place] = other
+    world.nearby.count[agent, lane] = place + near
+
+
+@kernel
+def _radius(task, world, agent, lane):
+    """Return the radius [m] of the circle of a HAV: for who senses it, and for who touches it."""
+    sensed = reach(world.fleet, agent, lane) + 0.5 * task.sensing_range
+    return max(sensed, circle_radius(task, world.fleet, agent, lane))
+
+
+@kernel
+def _check_candidates(task, world):
+    """Set the number of candidates below 0 in lanes where the list no longer holds."""
+    state, circle, num_pairs = world.state, world.nearby.circle, world.nearby.num_pairs
+    for agent in range(state.x.shape[0]):
+        for lane in range(world.lanes):
+            dx = state.x[agent, lane] - circle[agent, CENTER_X, lane]
+            dy = state.y[agent, lane] - circle[agent, CENTER_Y, lane]
+            room = circle[agent, RADIUS, lane] - _radius(task, world, agent, lane)
+            # a place that is no number is in no circle
+            holds = (room >= 0.0) & (dx * dx + dy * dy <= room * room)
+            num_pairs[lane] = num_pairs[lane] if holds else -1
+
+
+@rare_kernel
+def _list_candidates(task, world, lane):
+    """List the candidates of one world anew, and the circles in which the list holds."""
+    state, circle = world.state, world.nearby.circle
+    num_havs, longest = state.x.shape[0], 0.0
     for agent in range(num_havs):
-        place[0, agent] = world.state.x[agent, lane]
-        place[1, agent] = world.state.y[agent, lane]
-        place[2, agent] = reach(world.fleet, agent, lane)
-    _fill_buckets(task, grid, place)
+        longest = max(longest, _radius(task, world, agent, lane))
     for agent in range(num_havs):
+        circle[agent, CENTER_X, lane] = state.x[agent, lane]
+        circle[agent, CENTER_Y, lane] = state.y[agent, lane]
+        radius = _radius(task, world, agent, lane) + _MARGIN * longest
+        circle[agent, RADIUS, lane] = radius
+    world.nearby.num_pairs[lane] = 0
+    if num_havs <= FEW:
+        for agent in range(num_havs):
+            for other in range(agent + 1, num_havs):
+                _list_pair(world, agent, other, lane)
+    else:
+        _search_grid(world, (1.0 + _MARGIN) * longest, lane)
+
+
+@kernel
+def _list_pair(world, agent, other, lane):
+    """Put a pair on the list if its wide circles overlap."""
+    nearby = world.nearby
+    circle, pair = nearby.circle, nearby.pair[world.first + lane]
+    dx = circle[other, CENTER_X, lane] - circle[agent, CENTER_X, lane]
+    dy = circle[other, CENTER_Y, lane] - circle[agent, CENTER_Y, lane]
+    limit = (circle[agent, RADIUS, lane] + circle[other, RADIUS, lane]) * _WIDER
+    if dx * dx + dy * dy <= limit * limit:
+        pair[nearby.num_pairs[lane], LOWER] = agent
+        pair[nearby.num_pairs[lane], HIGHER] = other
+        nearby.num_pairs[lane] += 1
+
+
+@kernel
+def _search_grid(world, longest, lane):
+    """List the candidates of one world, sorted into buckets by the square cells of a grid.
+
+    All lanes of a block use the same scratch. Nobody whose circle overlaps is beyond the next cell.
+    """
+    grid = world.nearby.grid[world.first]
+    _fill_buckets(world, grid, longest, lane)
+    for agent in range(world.state.x.shape[0]):
+        begin = world.nearby.num_pairs[lane]
         for across in range(-1, 2):
             for along in range(-1, 2):
                 column, row = grid[COLUMN, agent] + across, grid[ROW, agent] + along
-                _search_cell(task, world.nearby, grid, place, agent, column, row, lane)
-    for agent in range(num_havs):
-        _sort(world.nearby, agent, lane)
+                _search_cell(world, grid, agent, column, row, lane)
+        _sort(world.nearby.pair[world.first + lane], begin, world.nearby.num_pairs[lane])
 
 
 @kernel
 def _bucket_of(grid, column, row):
-    # two odd primes spread neighbouring cells; the number of buckets is a power of two
-    return (column * 73856093 ^ row * 19349663) & (grid.shape[1] - 1)
+    # two odd primes spread neighbouring cells; the number of buckets is a power of two, and the
+    # bits that it cuts off are cut off before, for products of far cells have more than 64
+    bits = grid.shape[1] - 1
+    return ((column & bits) * 73856093 ^ (row & bits) * 19349663) & bits
 
 
 @kernel
-def _fill_buckets(task, grid, place):
-    num_havs = place.shape[1]
-    longest = 0.0
-    for agent in range(num_havs):
-        longest = max(longest, place[2, agent])
-    # a little larger, for two HAVs just one cell apart may be rounded into cells two apart
-    size = (2.0 * longest + task.sensing_range) * (1.0 + 1e-9)
+def _fill_buckets(world, grid, longest, lane):
+    # a little larger still, for two HAVs just one cell apart may be rounded into cells two apart
+    size = 2.0 * longest * _WIDER * _WIDER
     for bucket in range(grid.shape[1]):
         grid[BUCKET, bucket] = -1
-    for agent in range(num_havs):
-        column = int(floor(place[0, agent] / size))
-        row = int(floor(place[1, agent] / size))
+    for agent in range(world.state.x.shape[0]):
+        column = int(floor(world.state.x[agent, lane] / size))
+        row = int(floor(world.state.y[agent, lane] / size))
         bucket = _bucket_of(grid, column, row)
         grid[COLUMN, agent] = column
         grid[ROW, agent] = row
@@ -101,25 +178,21 @@ def _fill_buckets(task, grid, place):
 
 
 @kernel
-def _search_cell(task, nearby, grid, place, agent, column, row, lane):
+def _search_cell(world, grid, agent, column, row, lane):
     """Look at the HAVs in one cell; a bucket holds them in descending order."""
     other = grid[BUCKET, _bucket_of(grid, column, row)]
     while other > agent:  # a pair is looked at once
-        dx, dy = place[0, other] - place[0, agent], place[1, other] - place[1, agent]
-        same_cell = grid[COLUMN, other] == column and grid[ROW, other] == row
-        if same_cell and _in_range(task, dx, dy, place[2, agent] + place[2, other]):
-            _append(nearby, agent, other, lane)
-            _append(nearby, other, agent, lane)
+        if grid[COLUMN, other] == column and grid[ROW, other] == row:
+            _list_pair(world, agent, other, lane)
         other = grid[NEXT, other]
 
 
 @kernel
-def _sort(nearby, agent, lane):
-    index = nearby.index
-    for last in range(1, nearby.count[agent, lane]):
-        other = index[agent, last, lane]
-        slot = last
-        while slot > 0 and index[agent, slot - 1, lane] > other:
-            index[agent, slot, lane] = index[agent, slot - 1, lane]
+def _sort(pair, begin, end):
+    """Sort pairs with the same first HAV by their second ones."""
+    for last in range(begin + 1, end):
+        other, slot = pair[last, HIGHER], last
+        while slot > begin and pair[slot - 1, HIGHER] > other:
+            pair[slot, HIGHER] = pair[slot - 1, HIGHER]
             slot -= 1
-        index[agent, slot, lane] = other
+        pair[slot, HIGHER] = other

@@ -27,10 +27,12 @@ from hav_env.world.arrays import (
     World,
     X,
     Y,
+    as_place,
     into_truck_frame,
     truck_distance,
 )
 from hav_env.world.collision import front_axle, front_gap, nearest_on_chain, offset_between
+from hav_env.world.other_havs import direction_of, place_of
 
 
 @kernel
@@ -76,6 +78,13 @@ def steering_direction(world: World, agent: int, lane: int) -> tuple[float, floa
     """Return cosine and sine of the maximum steering angle."""
     limit = world.fleet.limit
     return limit[agent, STEERING_COSINE, lane], limit[agent, STEERING_SINE, lane]
+
+
+@kernel
+def articulation(world: World, agent: int, joint: int, lane: int) -> float:
+    """Return an articulation in [-pi, pi): joint 1 is the first, bending left is positive [rad]."""
+    heading = world.state.heading
+    return wrap(heading[agent, joint, lane] - heading[agent, joint - 1, lane])
 
 
 @kernel
@@ -133,22 +142,19 @@ def num_neighbors(world: World, agent: int, lane: int) -> int:
 @kernel
 def neighbor_id(world: World, agent: int, k: int, lane: int) -> int:
     """Return the number of the HAV that is neighbour ``k``; neighbours come in ascending order."""
-    return world.nearby.index[agent, k, lane]
+    return as_place(world.nearby.index[world.first + lane, agent, k])
 
 
 @kernel
 def neighbor_position(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return where the truck's rear axle of neighbour ``k`` is: forward [m], left [m]."""
-    state, other = world.state, world.nearby.index[agent, k, lane]
-    dx = state.x[other, lane] - state.x[agent, lane]
-    dy = state.y[other, lane] - state.y[agent, lane]
-    return into_truck_frame(state, agent, lane, dx, dy)
+    return place_of(world, agent, neighbor_id(world, agent, k, lane), lane)
 
 
 @kernel
 def neighbor_distance(world: World, agent: int, k: int, lane: int) -> float:
     """Return the distance [m] from truck to truck of neighbour ``k``."""
-    return truck_distance(world.state, agent, world.nearby.index[agent, k, lane], lane)
+    return truck_distance(world.state, agent, neighbor_id(world, agent, k, lane), lane)
 
 
 @kernel
@@ -159,49 +165,46 @@ def neighbor_point(
 
     The points lie a share of the truck's length ahead of its rear axle: forward [m], left [m].
     """
-    dx, dy = offset_between(world, agent, world.nearby.index[agent, k, lane], share, lane)
+    dx, dy = offset_between(world, agent, neighbor_id(world, agent, k, lane), share, lane)
     return into_truck_frame(world.state, agent, lane, dx, dy)
 
 
 @kernel
 def neighbor_point_distance(world: World, agent: int, k: int, share: float, lane: int) -> float:
     """Return the distance [m] between these points of both trucks, see ``neighbor_point``."""
-    dx, dy = offset_between(world, agent, world.nearby.index[agent, k, lane], share, lane)
+    dx, dy = offset_between(world, agent, neighbor_id(world, agent, k, lane), share, lane)
     return math.sqrt(dx * dx + dy * dy)
 
 
 @kernel
 def neighbor_heading(world: World, agent: int, k: int, unit: int, lane: int) -> float:
     """Return the heading of a unit of neighbour ``k`` relative to the own truck's [rad]."""
-    other = world.nearby.index[agent, k, lane]
+    other = neighbor_id(world, agent, k, lane)
     return wrap(world.state.heading[other, unit, lane] - world.state.heading[agent, 0, lane])
 
 
 @kernel
 def neighbor_heading_direction(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return cosine and sine of the heading of neighbour ``k`` relative to the own truck's."""
-    state, other = world.state, world.nearby.index[agent, k, lane]
-    return into_truck_frame(
-        state, agent, lane, state.cosine[other, 0, lane], state.sine[other, 0, lane]
-    )
+    return direction_of(world, agent, neighbor_id(world, agent, k, lane), lane)
 
 
 @kernel
 def neighbor_footprint(world: World, agent: int, k: int, lane: int) -> float:
     """Return the footprint radius d_h [m] of neighbour ``k``."""
-    return world.fleet.radius[world.nearby.index[agent, k, lane], FOOTPRINT, lane]
+    return world.fleet.radius[neighbor_id(world, agent, k, lane), FOOTPRINT, lane]
 
 
 @kernel
 def neighbor_length(world: World, agent: int, k: int, unit: int, lane: int) -> float:
     """Return the length [m] of a unit of neighbour ``k``."""
-    return world.fleet.length[world.nearby.index[agent, k, lane], unit, lane]
+    return world.fleet.length[neighbor_id(world, agent, k, lane), unit, lane]
 
 
 @kernel
 def neighbor_trailers(world: World, agent: int, k: int, lane: int) -> int:
     """Return how many trailers neighbour ``k`` pulls."""
-    return world.fleet.num_trailers[world.nearby.index[agent, k, lane], lane]
+    return world.fleet.num_trailers[neighbor_id(world, agent, k, lane), lane]
 
 
 @kernel
@@ -209,13 +212,13 @@ def neighbor_articulation(
     world: World, agent: int, k: int, joint: int, lane: int
 ) -> tuple[float, float]:
     """Return cosine and sine of an articulation of neighbour ``k``, as for the HAV itself."""
-    return articulation_direction(world, world.nearby.index[agent, k, lane], joint, lane)
+    return articulation_direction(world, neighbor_id(world, agent, k, lane), joint, lane)
 
 
 @kernel
 def neighbor_nearest_point(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return the point of the chain of neighbour ``k`` that is nearest: forward [m], left [m]."""
-    state, other = world.state, world.nearby.index[agent, k, lane]
+    state, other = world.state, neighbor_id(world, agent, k, lane)
     x, y = state.x[agent, lane], state.y[agent, lane]
     px, py = nearest_on_chain(world, other, lane, x, y)
     return into_truck_frame(state, agent, lane, px - x, py - y)
@@ -228,20 +231,20 @@ def neighbor_before_front(world: World, agent: int, k: int, lane: int) -> tuple[
     It is seen from there: forward [m], left [m].
     """
     x, y = front_axle(world, agent, lane)
-    px, py = nearest_on_chain(world, world.nearby.index[agent, k, lane], lane, x, y)
+    px, py = nearest_on_chain(world, neighbor_id(world, agent, k, lane), lane, x, y)
     return into_truck_frame(world.state, agent, lane, px - x, py - y)
 
 
 @kernel
 def neighbor_front_gap(world: World, agent: int, k: int, lane: int) -> float:
     """Return the distance from the front axle of neighbour ``k`` to the own chain [m]."""
-    return front_gap(world, world.nearby.index[agent, k, lane], agent, lane)
+    return front_gap(world, neighbor_id(world, agent, k, lane), agent, lane)
 
 
 @kernel
 def neighbor_speed(world: World, agent: int, k: int, lane: int) -> float:
     """Return the speed of neighbour ``k`` in the last step [m/s]; one that waits has none."""
-    other = world.nearby.index[agent, k, lane]
+    other = neighbor_id(world, agent, k, lane)
     return 0.0 if world.state.waiting[other, lane] else world.state.speed[other, lane]
 
 

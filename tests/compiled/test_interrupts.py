@@ -4,12 +4,14 @@ import os
 import signal
 import threading
 import time
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import hav_env
-from hav_env.compiled import VECTOR, share_out
+from hav_env.compiled import VECTOR, run_on_threads, share_out
+from hav_env.mdp import decision_process
 from hav_env.mdp.decision_process import DecisionProcess
 from tests.support.budgets import budget
 
@@ -52,19 +54,16 @@ def test_an_interrupt_waits_until_every_world_is_done_once(own_takes, helper_tak
 
 
 def process():
-    made = DecisionProcess(
-        budget(1024, 40), scenario=hav_env.RandomPoses(num_havs=2), threads=THREADS
-    )
-    made._threads = THREADS
-    return made
+    scenario = hav_env.RandomPoses(num_havs=2)
+    with mock.patch.object(decision_process, "_HAVS_PER_THREAD", 1):
+        return DecisionProcess(budget(1024, 40), scenario=scenario, threads=THREADS)
 
 
 def begin(made, seed):
     w = made.num_worlds
     chosen = np.ones(w, np.bool_)
     told = made.outcome()
-    made.begin(np.full(w, seed), np.arange(w), chosen)
-    made.observe_worlds(chosen, told)
+    made.begin(np.full(w, seed), np.arange(w), chosen, told)
     return told
 
 
@@ -106,6 +105,17 @@ def test_an_interrupted_beginning_is_finished_too():
     for turn in range(budget(10, 2)):
         interrupted(lambda turn=turn: begin(made, turn), random.uniform(0.0, 0.004))
         assert np.array_equal(begin(made, turn).observation, begin(twin, turn).observation)
+
+
+def test_an_interrupt_lets_loops_on_threads_end_early():
+    stopped, ended = threading.Event(), []
+
+    def loop(item):
+        assert stopped.wait(60.0)
+        ended.append(item)
+
+    assert interrupted(lambda: run_on_threads(loop, range(9), 2, stopped.set), 0.2)
+    assert len(ended) == 2  # those that had begun, none of which still runs
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")

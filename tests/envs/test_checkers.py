@@ -38,6 +38,8 @@ SETTINGS = {
     "five": {"num_havs": 5},
     "leaving": LEAVING,
     "held": {"frame_skip": 3},
+    "reported at ends": {"info": "ends"},
+    "leaving, reported at ends": LEAVING | {"info": "ends"},
     "blind": {"observation": Observation(neighbors=0)},
     "chains": {"observation": Observation(neighbors=1, chains=True)},
 }

@@ -28,6 +28,7 @@ FACES = {
     "swarms": vector("HAVSwarm"),
     "singles": vector("HAVSingle"),
     "swarms at once": vector("HAVSwarm", autoreset_mode="SameStep"),
+    "singles at once": vector("HAVSingle", autoreset_mode="SameStep"),
 }
 faces = pytest.mark.parametrize("face", list(FACES.values()), ids=FACES)
 

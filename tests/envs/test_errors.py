@@ -42,6 +42,8 @@ SETTINGS = [
     ({"on_goal": "explode"}, ValueError, "on_goal is 'explode', but must be park or remove"),
     ({"on_jackknife": "stop"}, ValueError, "on_jackknife is 'stop'"),
     ({"on_collision": 1}, ValueError, "on_collision is 1"),
+    ({"info": "never"}, ValueError, "info is 'never', but must be always or ends"),
+    ({"info": True}, ValueError, "info is True, but must be always or ends"),
     ({"threads": -1}, ValueError, "threads is -1"),
     ({"threads": 1.5}, (TypeError, ValueError), "threads is 1.5"),
     ({"task": Task(dt=-1.0)}, ValueError, "dt is -1.0"),

@@ -31,6 +31,8 @@ CASES = {
         SHORT | {"others": "avoid_jack", "num_havs": 3, "frame_skip": 2},
     ),
     "held": (SWARM, SHORT | {"frame_skip": 3}),
+    "reported at ends": (SWARM, EASY | {"info": "ends"}),
+    "single, reported at ends": (SINGLE, EASY | {"info": "ends"}),
     "crossing": (SWARM, SHORT | {"scenario": "crossing-8"}),
     "yard": (SWARM, SHORT | {"scenario": "yard-4"}),
     "column": (SWARM, SHORT | {"scenario": "column-5"}),

@@ -65,6 +65,9 @@ FACES = {
             **SHORT,
         ).unwrapped
     ),
+    "vector, ends alone": lambda: (
+        gym.make_vec("hav_env:HAVSwarm-v0", num_envs=MANY, info="ends", **SHORT).unwrapped
+    ),
     "stable-baselines3": lambda: Stable(HAVVecEnv(MANY, **SHORT)),
 }
 

@@ -23,8 +23,7 @@ def made(num_worlds=1, **settings):
     """Return a process of worlds whose first episodes have begun."""
     process = DecisionProcess(num_worlds, **settings)
     seeds, everywhere = np.arange(num_worlds), np.ones(num_worlds, np.bool_)
-    process.begin(seeds, np.zeros(num_worlds, np.int64), everywhere)
-    process.observe_worlds(everywhere, process.outcome())
+    process.begin(seeds, np.zeros(num_worlds, np.int64), everywhere, process.outcome())
     return process
 
 
@@ -132,9 +131,9 @@ def test_every_term_is_what_its_docstring_says(scenario, frame_skip):
         actions = rng.uniform(0.5, 1.0, (num_worlds, process.num_havs, 2))
         told = process.step(actions)
         referee.judge(0.2 * frame_skip)
-        assert terms_of(process, told) == pytest.approx(
-            referee.total * np.array(reward)[:, None, None], abs=1e-8
-        )
+        off = terms_of(process, told) - referee.total * np.array(reward)[:, None, None]
+        rounded = np.where(np.array(TERMS) == "progress", 3e-5, 1e-8)  # paths are in float32
+        assert (np.abs(off).max(axis=(1, 2)) < rounded).all()
     if budget(1, 0):
         happened = (referee.total != 0.0).any(axis=(1, 2))
         assert happened[[TERMS.index(name) for name in ("jackknife", "articulation", "time")]].all()
@@ -172,7 +171,7 @@ def test_progress_through_two_goals_is_the_length_of_both_paths():
         worlds, k = env._world.process.batch.worlds, int(agent[-1])
         lengths = worlds.record.goal[k, :, 4, 0]  # Dubins lengths from where goals were assigned
         assert info["return_goal"] == 200.0
-        assert info["return_progress"] == pytest.approx(lengths.sum(), abs=1e-9)
+        assert info["return_progress"] == pytest.approx(lengths.sum(), rel=1e-6)
 
 
 def test_a_full_circle_earns_no_progress():

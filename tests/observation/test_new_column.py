@@ -23,9 +23,8 @@ for name, scenario in (("ppo_single", "paper-single"), ("ppo_pair", "paper-pair"
         batch.step(*command)
         print(np.asarray(command).tobytes().hex())
 process = DecisionProcess(1, sensing_range=1e5)
-process.begin(*np.zeros((2, 1), int), np.ones(1, bool))
 outcome = process.outcome()
-process.observe_worlds(np.ones(1, bool), outcome)
+process.begin(*np.zeros((2, 1), int), np.ones(1, bool), outcome)
 seen = dict(zip(process.columns, outcome.observation[0, 0].tolist(), strict=True))
 print("new:", [value for name, value in seen.items() if name.endswith("half")])
 print({name: value for name, value in seen.items() if not name.endswith("half")})
@@ -39,8 +38,8 @@ ADDITIONS = {
     },
     "neighbors.py": {
         '    *place_columns("chain_"),\n': '    Column("half"),\n',
-        "    columns[column + _NEIGHBOR_AT.present, lane] = 1.0\n": (
-            "    columns[column + _NEIGHBOR_AT.half, lane] = 0.5\n"
+        "            columns[column + _NEIGHBOR_AT.present, lane] = 1.0\n": (
+            "            columns[column + _NEIGHBOR_AT.half, lane] = 0.5\n"
         ),
     },
 }

@@ -206,8 +206,7 @@ def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, front
         task=Task(sensing_range=RANGE),
     )
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()
-    process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere)
-    process.observe_worlds(everywhere, told)
+    process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere, told)
     most, rng = process.batch.scenario.max_trailers, np.random.default_rng(3)
     for _ in range(budget(12, 2)):
         for w in range(num_worlds):
@@ -218,8 +217,11 @@ def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, front
                 absent = set(found) - set(expected)
                 assert all(name.startswith("neighbor_") and found[name] == 0.0 for name in absent)
                 assert not set(expected) - set(found)
+                for name in ("goal_path", "approach_path"):
+                    if expected[f"{name}_first"] < scaled(1e-3):  # to which side tells nothing
+                        expected[f"{name}_turn"] = found[f"{name}_turn"]
                 for name, value in expected.items():
-                    assert found[name] == pytest.approx(value, abs=2e-6), name
+                    assert found[name] == pytest.approx(value, abs=1e-5), name
         actions = rng.uniform(-1, 1, (num_worlds, process.num_havs, 2))
         actions[..., 0] = 1.0
         for _ in range(budget(20, 1)):
@@ -248,24 +250,23 @@ def test_columns_of_more_neighbours_come_after_those_of_fewer():
 
 def test_distances_and_lengths_can_be_read_back():
     distances = np.concatenate([[0.0], np.geomspace(1e-6, 9_999.0, 200)])
-    columns = np.array([scale_distance(d) for d in distances])
-    assert np.expm1(columns * np.log1p(1e4)) == pytest.approx(distances, rel=1e-9, abs=1e-12)
-    assert (np.diff(columns) > 0.0).all()
-    assert 10.0 * scale_length(12.5) == 12.5
+    columns = np.array([scale_distance(d) for d in distances.astype(np.float32)], float)
+    assert np.expm1(columns * np.log1p(1e4)) == pytest.approx(distances, rel=3e-6, abs=1e-7)
+    assert (np.diff(columns) >= 0.0).all()
+    assert 10.0 * scale_length(np.float32(12.5)) == 12.5
 
 
 @pytest.mark.parametrize(("scale", "most"), [(scale_distance, 1.0), (scale_length, 10.0)])
 def test_what_is_beyond_the_scale_is_cut(scale, most):
-    assert scale(1e9) == scale(math.inf) == most
-    assert scale(0.0) == 0.0
+    assert scale(np.float32(1e9)) == scale(np.float32(math.inf)) == most
+    assert scale(np.float32(0.0)) == 0.0
 
 
 def test_columns_take_the_signs_that_their_bounds_allow():
     num_worlds = budget(400, 20)
     process = DecisionProcess(num_worlds, num_havs=5, task=Task(sensing_range=500.0))
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()
-    process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere)
-    process.observe_worlds(everywhere, told)
+    process.begin(np.arange(num_worlds), np.zeros(num_worlds, np.int64), everywhere, told)
     rows = told.observation.reshape(-1, len(process.columns))
     turns_and_places = ("bearing", "goal_heading", "path_turn", "r_heading")
     columns = list_columns(process.observation, process.batch.scenario.max_trailers)
@@ -281,8 +282,7 @@ def test_columns_take_the_signs_that_their_bounds_allow():
 def test_sines_and_cosines_of_a_row_are_of_one_angle():
     process = DecisionProcess(4, scenario="swarm-10")
     everywhere, told = np.ones(4, np.bool_), process.outcome()
-    process.begin(np.arange(4), np.zeros(4, np.int64), everywhere)
-    process.observe_worlds(everywhere, told)
+    process.begin(np.arange(4), np.zeros(4, np.int64), everywhere, told)
     rows = dict(
         zip(process.columns, told.observation.reshape(-1, len(process.columns)).T, strict=True)
     )

@@ -6,8 +6,7 @@ import numpy as np
 
 from hav_env import Batch, Explicit, RandomFleet, RandomPoses, Task, explicit
 from hav_env.world.arrays import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE
-from hav_env.world.collision import enclose
-from hav_env.world.lanes import block_of, view_of
+from hav_env.world.lanes import view_of
 
 ALL = slice(None)
 
@@ -73,7 +72,6 @@ def put(worlds, lengths, x=0.0, y=0.0, headings=0.0, *, w=0, agent=0):
     state.heading[agent, :units, w] = headings
     state.cosine[agent, :, w] = np.cos(state.heading[agent, :, w])
     state.sine[agent, :, w] = np.sin(state.heading[agent, :, w])
-    enclose(block_of(worlds, w, 1, worlds.units), agent)
 
 
 def limit(worlds, *, speed=1.0, steering=math.radians(50), articulation=math.pi / 2):
@@ -90,9 +88,11 @@ def stand(batch, steps: int = 1) -> None:
 
 
 def bits(worlds, w: int = 0) -> list[bytes]:
-    """Return the bytes of everything in a world but the scratch of the neighbour search."""
+    """Return the bytes of everything in a world but what the search for neighbours keeps."""
     world = view_of(worlds, w)
-    arrays = [*world.state, *world.fleet, world.goals, world.nearby.count, *world.record]
+    count, index = world.nearby[:2]
+    neighbors = [row[:filled] for row, filled in zip(index, count, strict=True)]
+    arrays = [*world.state, *world.fleet, world.goals, count, *neighbors, *world.record]
     return [array.tobytes() for array in arrays]
 
 

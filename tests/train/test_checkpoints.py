@@ -127,7 +127,9 @@ FAR = 10**9
     [
         ("fleet.num_trailers", lambda a: a.fill_(FAR), "num_trailers holds"),
         ("nearby.count", lambda a: a.fill_(FAR), "nearby count holds"),
-        ("nearby.index", lambda a: a.fill_(-FAR), "nearby index holds"),
+        ("nearby.index", lambda a: a.fill_(-1), "nearby index holds"),
+        ("nearby.num_pairs", lambda a: a.fill_(FAR), "nearby num_pairs holds"),
+        ("nearby.pair", lambda a: a.fill_(9), "nearby pair holds"),
         ("state.goal", lambda a: a.fill_(FAR), "goal holds"),
         ("state.goal", lambda a: a.fill_(np.nan), "goal holds"),
         ("state.x", lambda a: a.fill_(np.nan), "not finite"),

@@ -83,8 +83,8 @@ def run(changed, num_worlds=3):
     """Return what a process tells after each action; at ``changed`` its reward becomes another."""
     process = DecisionProcess(num_worlds, scenario="paper-pair", frame_skip=2)
     seeds, rng = np.arange(num_worlds), np.random.default_rng(0)
-    process.begin(seeds, np.zeros(num_worlds, int), np.ones(num_worlds, bool))
-    process.observe_worlds(np.ones(num_worlds, bool), process.outcome())
+    everywhere = np.ones(num_worlds, bool)
+    process.begin(seeds, np.zeros(num_worlds, int), everywhere, process.outcome())
     told = []
     for step in range(STEPS):
         if step == changed:
@@ -119,8 +119,7 @@ def test_another_reward_changes_what_comes_and_nothing_that_was():
 
 def test_whole_weights_are_numbers_too():
     process = DecisionProcess(1, scenario="paper-single", reward=Reward(time=0.0))
-    process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, bool))
-    process.observe_worlds(np.ones(1, bool), process.outcome())
+    process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, bool), process.outcome())
     process.set_reward(Reward(*[0] * 8, -1))
     assert process.step(np.zeros((1, 1, 2))).reward[0, 0] == pytest.approx(-0.2)
 
@@ -138,8 +137,7 @@ def test_whole_weights_are_numbers_too():
 )
 def test_another_reward_that_cannot_be_is_refused_and_the_old_one_stays(reward, error, message):
     process = DecisionProcess(1, scenario="paper-single", reward=Reward(*[0] * 8, -1))
-    process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, bool))
-    process.observe_worlds(np.ones(1, bool), process.outcome())
+    process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, bool), process.outcome())
     with pytest.raises(error, match=message):
         process.set_reward(reward)
     assert process.step(np.zeros((1, 1, 2))).reward[0, 0] == pytest.approx(-0.2)

@@ -51,7 +51,6 @@ def states_of(folder):
     for number, moments in state["moments"].items():
         told |= {f"moment {number} {name}": value for name, value in moments.items()}
     told |= state["arrays"] | state["numbers"] | {"torch": state["torch"]} | state["noise"]
-    told.pop("buffers.columns")  # scratch, of which nothing goes on
     assert {"worlds.state.x", "worlds.state.clock", "numpy", "seen mean"} <= set(told)
     return {name: np.asarray(value).tobytes() for name, value in told.items()}
 

@@ -13,7 +13,7 @@ from hav_env.maths.geometry import segments_intersect
 from hav_env.world.arrays import ACTUAL, FOOTPRINT, POTENTIAL, WHEN, WHERE
 from hav_env.world.collision import actual_collision
 from tests.support.budgets import budget
-from tests.support.worlds import chain, limit, open_plane, put, stand
+from tests.support.worlds import chain, open_plane, put, stand
 
 
 def shape(points):
@@ -163,38 +163,3 @@ def test_the_first_collision_and_the_partner_in_it_are_recorded(num_havs, seed):
             when, where = world.record.first[i, event]
             step, others = by_hav.get(i, (-1, {-1}))
             assert (when, where in others) == (step, True)
-
-
-def scattered(layout, num_havs, rng):
-    if layout == "random":
-        return rng.uniform(0, 400, (num_havs, 2))
-    if layout == "clustered":
-        centres = rng.uniform(-500, 500, (num_havs // 10 + 1, 2))
-        return centres[rng.integers(len(centres), size=num_havs)] + rng.normal(0, 30, (num_havs, 2))
-    if layout == "far":
-        return rng.choice([-1, 1], (num_havs, 2)) * 10 ** rng.uniform(0, 7, (num_havs, 2))
-    if layout == "pile":
-        return np.full((num_havs, 2), -7.0)
-    return rng.integers(-3, 4, (num_havs, 2)) * 40.0  # on the borders of cells
-
-
-@pytest.mark.parametrize("layout", ["random", "clustered", "far", "pile", "grid"])
-@pytest.mark.parametrize("num_havs", [2, 16, 17, 60, 200])
-def test_the_list_of_neighbours_is_that_of_a_search_of_all_pairs(num_havs, layout):
-    rng = np.random.default_rng(num_havs)
-    for sensing_range in (0.0, 30.0):
-        batch = open_plane(1, num_havs, 2, task=Task(sensing_range=sensing_range))
-        limit(batch.worlds)
-        places = scattered(layout, num_havs, rng)
-        reaches = np.zeros(num_havs)
-        for agent, (x, y) in enumerate(places):
-            lengths = [5.0, 2.0, 3.0] if layout == "grid" else rng.uniform(2, 12, 3)
-            put(batch.worlds, lengths, x, y, agent=agent)
-            reaches[agent] = max(lengths[0], lengths[1] + lengths[2])
-        stand(batch)
-        gaps = np.hypot(*(places[:, None] - places[None, :]).T)
-        near = gaps <= reaches + reaches[:, None] + sensing_range
-        np.fill_diagonal(near, False)
-        nearby = batch.world(0).nearby
-        lists = [nearby.index[i, : nearby.count[i]].tolist() for i in range(num_havs)]
-        assert lists == [np.flatnonzero(row).tolist() for row in near]

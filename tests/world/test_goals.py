@@ -26,7 +26,7 @@ from hav_env.world.arrays import (
     PHASE,
     STEP,
 )
-from tests.support.budgets import budget
+from tests.support.budgets import COMPILED, budget
 from tests.support.worlds import ALL, aim, limit, open_plane, put, stand, wrapped
 
 TASK = Task(distance_tolerance=0.5, heading_tolerance=0.1)
@@ -131,13 +131,15 @@ def test_alone_each_goes_on_as_soon_as_it_hits():
 
 
 def test_alone_and_together_are_the_same_for_a_single_hav():
+    episodes, steps = np.arange(budget(8, 2)), budget(20_000, 600)
     together, alone = (
-        rollout("avoid_jack", "paper-single", 3, np.arange(8), Task(next_goal=how))
+        rollout("avoid_jack", "paper-single", 3, episodes, Task(next_goal=how, max_steps=steps))
         for how in ("together", "alone")
     )
     assert together.equals(alone)
 
 
+@pytest.mark.skipif(not COMPILED, reason="whole episodes of many steps")
 def test_alone_the_first_goals_of_a_pair_that_never_meets_stay_the_same():
     """Far apart, each HAV does what it does alone in the world; the text lets the first wait."""
     apart = RandomPoses(num_havs=2, area_factor=400.0)

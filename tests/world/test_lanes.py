@@ -51,7 +51,7 @@ def driven_alone(num_havs, episode):
 
 
 @pytest.mark.parametrize("num_worlds", budget((1, 5, 127, 128, 129, MOST), (1, 5, 20)))
-@pytest.mark.parametrize("num_havs", [1, 3])
+@pytest.mark.parametrize("num_havs", [1, 3, 20])
 @pytest.mark.parametrize("threads", [1, 3])
 def test_a_world_in_a_batch_is_the_world_alone(num_worlds, num_havs, threads):
     batch = driven(num_havs, range(num_worlds), threads)

@@ -77,11 +77,11 @@ def test_who_left_is_sensed_and_touched_by_nobody(place, sensing_range):
     batch = driven(scenario, 20, task)
     for _ in range(budget(250, 200)):
         batch.step(np.ones((3, 1)), np.zeros((3, 1)))
-        nearby = batch.worlds.nearby
+        nearby = batch.world(0).nearby
         if batch.worlds.record.total[0, REMOVED, 0]:
-            assert nearby.count[0, 0] == 0
+            assert nearby.count[0] == 0
             for hav in (1, 2):
-                assert 0 not in nearby.index[hav, : nearby.count[hav, 0], 0]
+                assert 0 not in nearby.index[hav, : nearby.count[hav]]
     assert batch.worlds.state.x[2, 0] > x
     assert (batch.worlds.record.first[:, (POTENTIAL, ACTUAL), 0, 0] == NEVER).all()
 

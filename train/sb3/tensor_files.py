@@ -75,6 +75,8 @@ def check_worlds(worlds: World) -> None:
         "fleet num_trailers": (worlds.fleet.num_trailers, 0, units - 1),
         "nearby count": (worlds.nearby.count, 0, num_havs - 1),
         "nearby index": (worlds.nearby.index, 0, num_havs - 1),
+        "nearby num_pairs": (worlds.nearby.num_pairs, 0, worlds.nearby.pair.shape[1]),
+        "nearby pair": (worlds.nearby.pair, 0, max(num_havs - 1, 1)),
         "state goal": (worlds.state.goal[:, PHASE], 0, worlds.goals.shape[1] - 1),
     }
     for name, (array, least, most) in laws.items():

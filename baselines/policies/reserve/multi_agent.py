@@ -39,6 +39,8 @@ from baselines.policies.reserve.perception.other_agents import (
     was_near,
 )
 from baselines.policies.reserve.perception.own_state import (
+    SURELY,
+    hits_goal,
     is_due,
     sense_itself,
     sense_joints,
@@ -60,7 +62,6 @@ from baselines.policies.reserve.replanning import (
     try_to_begin,
 )
 from baselines.policies.reserve.reservation import PATH_ROUNDING, reserve_rest
-from baselines.policies.reserve.single_agent import SURELY, hits_goal
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 

@@ -14,7 +14,12 @@ stands, or else every predicted step does.
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import states
 from baselines.policies.reserve.perception.other_agents import extent_of, is_covered, keeps_margin
-from baselines.policies.reserve.perception.own_state import is_due, sensed_goal
+from baselines.policies.reserve.perception.own_state import (
+    SURELY,
+    hits_goal,
+    is_due,
+    sensed_goal,
+)
 from baselines.policies.reserve.prediction.chain import (
     include_axles,
     keeps_clear,
@@ -24,7 +29,6 @@ from baselines.policies.reserve.prediction.chain import (
 from baselines.policies.reserve.prediction.holding_circle import find_circle
 from baselines.policies.reserve.prediction.motion import advance_chain, sense_chain, turn_to
 from baselines.policies.reserve.prediction.paths import heading_at, total_length
-from baselines.policies.reserve.single_agent import SURELY, hits_goal
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import wrap
 from hav_env.maths.kdop import SIDES, clear_outline, widen

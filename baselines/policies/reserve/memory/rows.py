@@ -9,12 +9,14 @@ whole number from 0.0. Modules import this one as ``m`` and write ``rows[m.DRIVE
 """
 
 from baselines.policies.reserve.memory.sizes import (
+    ENDINGS,
     LINK_CORNERS,
     MAX_KNOWN,
     MAX_SEGMENTS,
     MAX_UNITS,
     SHORTLIST_SIZE,
     SLOT_COUNT,
+    TRIALS,
     TURN_RADII,
 )
 from hav_env.maths.kdop import SIDES
@@ -23,9 +25,9 @@ from hav_env.maths.kdop import SIDES
 class _Counter:
     """Counts rows."""
 
-    def __init__(self) -> None:
-        """Begin with row 0."""
-        self.rows = 0
+    def __init__(self, first: int) -> None:
+        """Begin with the row ``first``."""
+        self.rows = first
 
     def next(self, count: int = 1) -> int:
         """Return the first of the next ``count`` rows."""
@@ -33,7 +35,7 @@ class _Counter:
         return self.rows - count
 
 
-_counter = _Counter()
+_counter = _Counter(0)
 _next = _counter.next
 
 # The broadcast. A frame is x [m], y [m], cosine and sine of its heading, seen from the truck.
@@ -111,11 +113,6 @@ SWEPT_CORNERS = _next(2 * LINK_CORNERS)  # corners of a set that holds a link du
 SAVED_CHAIN = _next(2 * MAX_UNITS)  # copy of PREDICTED_CHAIN
 SAVED_AXLES = _next(2 * (MAX_UNITS + 1))  # copy of AXLES [m]
 
-# Scratch of a lone HAV: the longest arc of each radius that keeps all articulations allowed.
-FIRST_TURNS_LEFT = _next(TURN_RADII)  # angle of an arc to the left from here [rad]
-FIRST_TURNS_RIGHT = _next(TURN_RADII)  # angle of an arc to the right from here [rad]
-LAST_TURNS = _next(TURN_RADII)  # angle of an arc that a straight chain begins [rad]
-
 # Scratch: the shortest candidates, sorted by length.
 LISTED_LENGTHS = _next(SHORTLIST_SIZE)  # length of each candidate [m]
 LISTED_NUMBERS = _next(SHORTLIST_SIZE)  # number of each candidate
@@ -132,17 +129,48 @@ NUM_UNARRIVED = _next()  # count of others in slots that have not arrived at the
 # The layout of a slot, in rows from its first one.
 SLOT_KIND = 0  # state of the other HAV: STANDING or RESERVED
 SLOT_FRAME = 1  # frame of its outline in the own frame: x [m], y [m], cosine, sine
-SLOT_BROADCAST_OUTLINE = 5  # extents of its outline in its frame [m]
-SLOT_CLOSE = 5  # flag of one that stands and so has no broadcast outline: its chain is close
-SLOT_OUTLINE = SLOT_BROADCAST_OUTLINE + SIDES  # extents of its outline in the own frame [m]
+SLOT_BROADCAST_OUTLINE = 5  # extents of its outline in its frame [m], if it has reserved that
+SLOT_AXLES = 5  # x and y of each of its axles, if it stands [m]
+_SLOT_PLACE = max(SIDES, 2 * (MAX_UNITS + 1))  # rows for either of both
+SLOT_OUTLINE = 5 + _SLOT_PLACE  # extents of its outline in the own frame [m]
 SLOT_NUM_AXLES = SLOT_OUTLINE + SIDES  # count of its axles if it stands
 SLOT_NUMBER = SLOT_NUM_AXLES + 1  # its number
 SLOT_ERROR = SLOT_NUM_AXLES + 2  # largest error of its sensed position [m], >= 0
 SLOT_SAG = SLOT_NUM_AXLES + 3  # its largest sag if it stands and then begins to move [m]
 SLOT_STRIDE = SLOT_NUM_AXLES + 4  # its largest stride if it stands and then begins to move [m]
-SLOT_AXLES = SLOT_NUM_AXLES + 5  # x and y of each of its axles if it stands [m]
-SLOT_ROWS = SLOT_AXLES + 2 * (MAX_UNITS + 1)  # number of rows of a slot
+SLOT_CLOSE = SLOT_NUM_AXLES + 5  # flag: it stands, and its chain is close
+SLOT_ROWS = SLOT_NUM_AXLES + 6  # number of rows of a slot
 
 FIRST_SLOT = _next(SLOT_COUNT * SLOT_ROWS)
 
 ROWS = _counter.rows  # number of rows of the memory
+
+# Scratch of a lone HAV, which has no slots: it lies in their rows.
+_alone = _Counter(FIRST_SLOT).next
+
+# Arcs. The turns from a straight chain are measured once: they stay the same.
+RADII = _alone(TURN_RADII)  # radii that the HAV tries, the truck's tightest first [m]
+FIRST_TURNS_LEFT = _alone(TURN_RADII)  # longest arc to the left from here [rad]
+FIRST_TURNS_RIGHT = _alone(TURN_RADII)  # longest arc to the right from here [rad]
+LAST_TURNS = _alone(TURN_RADII)  # longest arc that a straight chain begins [rad]
+ENDING_RADII = _alone(ENDINGS)  # radius of the last arc, for each ending of a candidate [m]
+ENDING_FIRST_SIDES = _alone(ENDINGS)  # side of the first arc, 1.0 left, -1.0 right
+ENDING_LAST_SIDES = _alone(ENDINGS)  # side of the last arc, the same
+ENDING_LONGEST = _alone(ENDINGS)  # length up to which a chain can follow the last arc [m]
+TOTAL_LENGTHS = _alone(ENDINGS)  # lengths of the candidates that were measured last [m]
+
+# Trials: predictions side by side, in one lane each.
+TRIAL_TURN = _alone(TRIALS)  # turn of the unit ahead in this step, the truck's first [rad]
+TRIAL_PULL = _alone(TRIALS)  # distance that the unit ahead moves in this step [m]
+TRIAL_LEAST = _alone(TRIALS)  # least cosine of all articulations after this step
+TRIAL_X = _alone(TRIALS)  # x of the truck's rear axle [m]
+TRIAL_Y = _alone(TRIALS)  # y of the truck's rear axle [m]
+TRIAL_HEADING = _alone(TRIALS)  # heading of the truck [rad]
+TRIAL_DRIVEN = _alone(TRIALS)  # distance driven [m], from the goal on if the trial is beyond it
+TRIAL_BEYOND = _alone(TRIALS)  # flag: the trial has hit the goal and goes straight on
+TRIAL_RESULT = _alone(TRIALS)  # RUNNING, SURVIVED or DROPPED
+TRIAL_PLACE = _alone(TRIALS)  # place of the candidate in the list
+TRIAL_TOTAL = _alone(TRIALS)  # length of the candidate's path [m]
+TRIAL_CURVATURES = _alone(3 * TRIALS)  # curvatures of its three segments [1/m]
+TRIAL_LENGTHS = _alone(3 * TRIALS)  # lengths of its three segments [m], >= 0
+TRIAL_CHAINS = _alone(2 * MAX_UNITS * TRIALS)  # cosine and sine of each unit's heading

@@ -18,7 +18,7 @@ from baselines.policies.reserve.perception.own_state import sag, stride
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI
-from hav_env.maths.kdop import SIDES, clear_outline, include_point, turn_outline
+from hav_env.maths.kdop import SIDES, clear_outline, include_point, turn_outline, widen
 from hav_env.maths.random_numbers import uniform
 from hav_env.policies.interface import heard
 from hav_env.world.sensing import (
@@ -78,10 +78,18 @@ def _frame_row(policy, memory, world, agent, k, lane):
     return m.FRAME_BEFORE if stamp == now + 1.0 or (stamp == now and stood) else m.FRAME_AFTER
 
 
-@rare_kernel
-def _radius_of(policy, memory, world, agent, k, lane):
-    """Return the radius [m] round a neighbour's truck that holds it and its outline."""
-    frame = _frame_row(policy, memory, world, agent, k, lane)
+@kernel
+def _radius_of(frame, memory, world, agent, k, lane):
+    """Return the radius [m] round a neighbour's truck that holds it and its outline.
+
+    Args:
+        frame: Row of its frame, from ``_frame_row``.
+        memory: Memory of all HAVs.
+        world: World of the HAV.
+        agent: Number of the HAV.
+        k: Place of the neighbour among those in range.
+        lane: Lane of the world.
+    """
     if frame < 0:
         length = neighbor_length(world, agent, k, 0, lane)
         return max(neighbor_footprint(world, agent, k, lane), length)
@@ -100,7 +108,8 @@ def _position_error(policy, reach):
 def _least_distance(policy, rows, memory, world, agent, k, lane):
     """Return a lower bound of the distance [m] from the own truck to a neighbour's outline."""
     x, y, _, _ = _sensed_pose(policy, rows, memory, world, agent, k, lane)
-    reach = _radius_of(policy, memory, world, agent, k, lane)
+    frame = _frame_row(policy, memory, world, agent, k, lane)
+    reach = _radius_of(frame, memory, world, agent, k, lane)
     return math.sqrt(x * x + y * y) - reach - _position_error(policy, reach)
 
 
@@ -116,11 +125,11 @@ def _write_slot(policy, rows, slot, memory, world, agent, k, lane):
         _write_standing(policy, rows, slot, memory, world, agent, k, lane)
     else:
         _write_reserved(policy, rows, slot, frame, memory, world, agent, k, lane)
-    error = _position_error(policy, _radius_of(policy, memory, world, agent, k, lane))
+    error = _position_error(policy, _radius_of(frame, memory, world, agent, k, lane))
     rows[slot + m.SLOT_ERROR] = error
-    for side in range(SIDES):
-        rows[slot + m.SLOT_OUTLINE + side] += error
-        rows[slot + m.SLOT_BROADCAST_OUTLINE + side] += error
+    widen(rows, slot + m.SLOT_OUTLINE, error)
+    if frame >= 0:
+        widen(rows, slot + m.SLOT_BROADCAST_OUTLINE, error)
 
 
 @rare_kernel

@@ -10,7 +10,7 @@ from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.preconditions import CIRCLE_FACTOR
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
-from hav_env.maths.geometry import TWO_PI
+from hav_env.maths.geometry import TWO_PI, wrap
 from hav_env.world.sensing import (
     articulation_direction,
     episode_key,
@@ -25,6 +25,7 @@ from hav_env.world.sensing import (
     unit_length,
 )
 
+SURELY = 1.0 - 1e-9  # of the tolerances of a goal: what is within is hit, despite rounding
 _SWING = 1.5  # of step / shortest unit: share by which a trailer may move farther than its pull
 
 
@@ -153,3 +154,19 @@ def is_due(rows, period):
 def sensed_goal(rows):
     """Return the goal: forward [m], left [m], heading relative to the truck's [rad]."""
     return rows[m.OWN_GOAL], rows[m.OWN_GOAL + 1], rows[m.OWN_GOAL + 2]
+
+
+@kernel
+def hits_goal(policy, dx, dy, turn, share):
+    """Tell whether a goal is hit, with the tolerances times ``share``.
+
+    Args:
+        policy: The Reserve, which has the tolerances.
+        dx: Difference of the goal's x and the truck's [m].
+        dy: Difference of the goal's y and the truck's [m].
+        turn: Difference of the goal's heading and the truck's [rad].
+        share: Factor of both tolerances.
+    """
+    near = policy.distance_tolerance * share
+    aligned = abs(wrap(turn)) < policy.heading_tolerance * share
+    return (dx * dx + dy * dy < near * near) & aligned

@@ -45,28 +45,57 @@ def advance_chain(rows, x, y, turn, distance):
     ahead_sine = before_sine * cosine + before_cosine * sine
     rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1] = ahead_cosine, ahead_sine
     x, y = x + distance * ahead_cosine, y + distance * ahead_sine
-    least = 1.0
+    pull, least = distance, 1.0
     for unit in range(1, int(rows[m.OWN_TRAILERS]) + 1):
         at = m.PREDICTED_CHAIN + 2 * unit
-        _, bend = into_frame(rows[at], rows[at + 1], ahead_cosine, ahead_sine)
-        own_turn = -distance * bend / rows[m.OWN_LENGTHS + unit]
-        sine, cosine = sincos(own_turn)
-        own_cosine = rows[at] * cosine - rows[at + 1] * sine
-        own_sine = rows[at + 1] * cosine + rows[at] * sine
-        straightness, _ = into_frame(own_cosine, own_sine, ahead_cosine, ahead_sine)
-        rows[at], rows[at + 1] = own_cosine, own_sine
-        ahead_cosine, ahead_sine = own_cosine, own_sine
-        distance *= straightness
-        folded = abs(own_turn - turn) >= rows[m.OWN_FOLD_TURN]
-        least = min(least, _FOLDED if folded else straightness)
-        turn = own_turn
+        ahead_cosine, ahead_sine, pull, turn, least = pull_unit(
+            *(ahead_cosine, ahead_sine, rows[at], rows[at + 1], pull, turn, least),
+            *(rows[m.OWN_LENGTHS + unit], rows[m.OWN_FOLD_TURN]),
+        )
+        rows[at], rows[at + 1] = ahead_cosine, ahead_sine
     return x, y, least
+
+
+@kernel
+def pull_unit(ahead_cosine, ahead_sine, cosine, sine, pull, turn, least, length, fold_turn):
+    """Turn and move a unit after the one ahead, which has moved already.
+
+    Args:
+        ahead_cosine: Cosine of the heading of the unit ahead.
+        ahead_sine: Sine of that heading.
+        cosine: Cosine of the own heading before the step.
+        sine: Sine of that heading.
+        pull: Distance that the unit ahead moves [m].
+        turn: Turn of the unit ahead [rad].
+        least: Least cosine of the articulations before this one.
+        length: Length of the unit [m].
+        fold_turn: Least change of an articulation that may fold a joint through [rad].
+
+    Returns:
+        Cosine and sine of the heading after the step, the distance that the unit moves [m], its
+        turn [rad], and the least cosine of the articulations up to this one, or ``_FOLDED``.
+    """
+    _, bend = into_frame(cosine, sine, ahead_cosine, ahead_sine)
+    own_turn = -pull * bend / length
+    turn_sine, turn_cosine = sincos(own_turn)
+    own_cosine = cosine * turn_cosine - sine * turn_sine
+    own_sine = sine * turn_cosine + cosine * turn_sine
+    straightness, _ = into_frame(own_cosine, own_sine, ahead_cosine, ahead_sine)
+    folded = abs(own_turn - turn) >= fold_turn
+    least = min(least, _FOLDED if folded else straightness)
+    return own_cosine, own_sine, pull * straightness, own_turn, least
+
+
+@kernel
+def most_turn(rows, distance):
+    """Return the largest turn [rad] that the steering allows in a step."""
+    return distance * rows[m.OWN_STEERING_TANGENT] / rows[m.OWN_LENGTHS]
 
 
 @kernel
 def turn_to(rows, wanted, heading, distance):
     """Return the turn [rad] towards a wanted heading that the steering allows in one step."""
-    most = distance * rows[m.OWN_STEERING_TANGENT] / rows[m.OWN_LENGTHS]
+    most = most_turn(rows, distance)
     return clip(wanted - heading, -most, most)
 
 

@@ -1,0 +1,130 @@
+"""This module begins episodes, in blocks of worlds whose lanes all begin."""
+
+import math
+
+import numpy as np
+
+from hav_env.compiled import fixed, kernel, rare_kernel
+from hav_env.scenarios import populate
+from hav_env.world.arrays import HIT_STEP, MISS_COUNT, MISS_DISTANCE, NEVER, STEP
+from hav_env.world.continuous_collision import note_axles
+from hav_env.world.events import record_collisions
+from hav_env.world.goals import assign_goal
+from hav_env.world.neighborhood import find_nearby
+
+
+@kernel
+def begin(scenario, task, world, placed):
+    """Start an episode in every lane of a block of worlds.
+
+    Args:
+        scenario: who starts where.
+        task: the rules.
+        world: the block; its clock holds the seeds and the numbers of the episodes.
+        placed: (W,) bool, to be written: whether the scenario found room for the HAVs.
+    """
+    state = world.state
+    for lane in range(world.lanes):
+        state.clock[STEP, lane] = 0
+    for row in range(state.ahead.shape[0]):
+        for lane in range(world.lanes):
+            state.ahead[row, lane] = 0.0
+    _clear_record(world)
+    for lane in range(world.lanes):
+        placed[lane] = populate(scenario, world, lane)
+    for number in range(state.x.shape[0]):
+        agent = fixed(number)
+        for lane in range(world.lanes):
+            state.speed[agent, lane] = 0.0
+            state.steering[agent, lane] = 0.0
+            assign_goal(world, agent, lane, 0)
+        if task.continuous_collisions:
+            note_axles(world, agent)
+    find_nearby(task, world)
+    record_collisions(task, world)
+
+
+@kernel
+def _clear_record(world):
+    """Forget what happened in the episodes before."""
+    record = world.record
+    for index in np.ndindex(record.first.shape[:-1]):
+        for lane in range(world.lanes):
+            record.first[(*index, lane)] = NEVER
+    for index in np.ndindex(record.total.shape[:-1]):
+        for lane in range(world.lanes):
+            record.total[(*index, lane)] = 0.0
+    for agent, phase, column in np.ndindex(record.goal.shape[:-1]):
+        empty = NEVER if column == HIT_STEP else math.nan
+        for lane in range(world.lanes):
+            record.goal[agent, phase, column, lane] = empty
+    for agent, phase, kind in np.ndindex(record.miss.shape[:-2]):
+        for lane in range(world.lanes):
+            _clear_misses(record.miss, agent, phase, kind, lane)
+
+
+@kernel
+def _clear_misses(miss, agent, phase, kind, lane):
+    """Forget the close misses of one kind, if there were any: their numbers are many."""
+    if not math.isnan(miss[agent, phase, kind, MISS_DISTANCE, lane]):
+        for column in range(miss.shape[3]):
+            miss[agent, phase, kind, column, lane] = 0.0 if column == MISS_COUNT else math.nan
+
+
+@rare_kernel
+def put_worlds(block, worlds, places):
+    """Put worlds whose episodes have just begun into their places.
+
+    One array after the other, row by row: the rows of many worlds lie far from each other, and
+    what is copied from one row to neighbouring places is found in one line of the cache.
+
+    Args:
+        block: where they have begun; scratch stays there, and lists of candidates.
+        worlds: a batch of the same shapes.
+        places: (W,) in which of the worlds each lane belongs.
+    """
+    lanes = block.lanes
+    copy_rows(block.state.x, worlds.state.x, places, lanes)
+    copy_rows(block.state.y, worlds.state.y, places, lanes)
+    copy_rows(block.state.heading, worlds.state.heading, places, lanes)
+    copy_rows(block.state.cosine, worlds.state.cosine, places, lanes)
+    copy_rows(block.state.sine, worlds.state.sine, places, lanes)
+    copy_rows(block.state.speed, worlds.state.speed, places, lanes)
+    copy_rows(block.state.steering, worlds.state.steering, places, lanes)
+    copy_rows(block.state.goal, worlds.state.goal, places, lanes)
+    copy_rows(block.state.waiting, worlds.state.waiting, places, lanes)
+    copy_rows(block.state.clock, worlds.state.clock, places, lanes)
+    copy_rows(block.fleet.num_trailers, worlds.fleet.num_trailers, places, lanes)
+    copy_rows(block.fleet.length, worlds.fleet.length, places, lanes)
+    copy_rows(block.fleet.radius, worlds.fleet.radius, places, lanes)
+    copy_rows(block.fleet.limit, worlds.fleet.limit, places, lanes)
+    copy_rows(block.goals, worlds.goals, places, lanes)
+    copy_rows(block.nearby.count, worlds.nearby.count, places, lanes)
+    _put_neighbors(block, worlds, places)
+    copy_rows(block.nearby.were, worlds.nearby.were, places, lanes)
+    copy_rows(block.record.first, worlds.record.first, places, lanes)
+    copy_rows(block.record.total, worlds.record.total, places, lanes)
+    copy_rows(block.record.goal, worlds.record.goal, places, lanes)
+    miss = worlds.record.miss
+    for agent, phase, kind in np.ndindex(miss.shape[:-2]):
+        for lane in range(lanes):
+            _clear_misses(miss, agent, phase, kind, places[lane])
+
+
+@kernel
+def _put_neighbors(block, worlds, places):
+    """Copy the neighbours of worlds, as far as there are any."""
+    for lane in range(block.lanes):
+        own = block.nearby.index[block.first + lane]
+        theirs = worlds.nearby.index[worlds.first + places[lane]]
+        for agent in range(own.shape[0]):
+            for k in range(block.nearby.count[agent, lane]):
+                theirs[agent, k] = own[agent, k]
+
+
+@rare_kernel
+def copy_rows(block, worlds, places, lanes):
+    """Copy lanes of an array to their places in the array of all worlds, row by row."""
+    for index in np.ndindex(block.shape[:-1]):
+        for lane in range(lanes):
+            worlds[(*index, places[lane])] = block[(*index, lane)]
