@@ -189,7 +189,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         return joint
 
     def _check_agents(self, actions: dict[str, np.ndarray]) -> None:
-        """Raise ValueError unless all agents act and nobody else does."""
+        """Raise ValueError unless there is one action for each agent, and no other."""
         for agent in actions:
             if agent not in self.agents:
                 known = ", ".join(self.agents) or "none"

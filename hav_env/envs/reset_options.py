@@ -1,4 +1,4 @@
-"""This module reads the options of a reset, and warns of those that nobody knows."""
+"""This module reads the options of a reset, and warns of unknown ones."""
 
 import warnings
 from collections.abc import Mapping

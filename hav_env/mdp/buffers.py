@@ -28,7 +28,14 @@ def outcome_size(controlled: int, columns: int, numbers: int) -> int:
 def outcome_layout(
     num_worlds: int, controlled: int, columns: int, numbers: int
 ) -> list[tuple[tuple[int, ...], type]]:
-    """Return shape and type of every array of an ``Outcome``: W, C, D and K of them."""
+    """Return shape and type of each array of an ``Outcome``, the large ones first.
+
+    Args:
+        num_worlds: W.
+        controlled: C.
+        columns: D, of the observation.
+        numbers: K, how many are reported of a HAV.
+    """
     w, c = num_worlds, controlled
     return [
         ((w, c, columns), np.float32),

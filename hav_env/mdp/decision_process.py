@@ -11,7 +11,7 @@ from hav_env.compiled import VECTOR, Held, canonical, default_threads, share_out
 from hav_env.mdp.advance import Actions, advance_worlds, divide_action, observe_worlds
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.beginning import allocate_stage, begin_episodes
-from hav_env.mdp.buffers import SCRATCH, Outcome, allocate_buffers, outcome_size
+from hav_env.mdp.buffers import SCRATCH, Outcome, allocate_buffers, outcome_layout, outcome_size
 from hav_env.mdp.info import REPORT
 from hav_env.mdp.reward import REWARDS, Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward
@@ -122,9 +122,9 @@ class DecisionProcess:
         self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR))
         self._compiled: dict[str, Any] = {}  # entries, by name
         self._held: tuple[Held, ...] = ()  # made when it is needed
-        self._recycler = Recycler(
-            [((w, c, len(self.columns)), np.float32), ((len(self.info), c, w), np.float64)]
-        )
+        layout = outcome_layout(w, c, len(self.columns), len(self.info))
+        # what is small stands alone: it can be kept without the rest
+        self._recycler, self._small = Recycler(layout[:2]), layout[2:]
         self._no_actions = Actions(np.empty((0, c, 2), np.float32), np.empty((0, c, 2)))
         self.report(info == "always")
         self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
@@ -260,15 +260,8 @@ class DecisionProcess:
 
         Nobody else holds any part of them.
         """
-        observation, info = self._recycler.arrays()
-        controlled, worlds = self.num_controlled, self.num_worlds
-        return Outcome(  # what is small stands alone: it can be kept without the rest
-            observation,
-            info,
-            np.empty((controlled, worlds)),
-            np.empty(worlds, np.bool_),
-            np.empty(worlds, np.bool_),
-        )
+        small: Any = (np.empty(shape, kind) for shape, kind in self._small)
+        return Outcome(*self._recycler.arrays(), *small)
 
 
 def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:

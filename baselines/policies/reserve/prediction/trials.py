@@ -2,7 +2,7 @@
 
 A chain is a long sequence of operations that wait for each other. In lanes, one instruction does
 the same operation for several chains, in the same order as ``motion.advance_chain`` does it for
-one. So the results are the same. A lane whose trial has ended goes on idly, and nobody looks.
+one. So the results are the same. What a lane holds after the end of its trial is not read.
 """
 
 from baselines.policies.reserve.memory import rows as m
