@@ -39,7 +39,7 @@ from hav_env.scenarios import (
 )
 from hav_env.scenarios.presets import find_scenario
 from hav_env.simulator.batch import Batch
-from hav_env.vehicles import OnAxle, move
+from hav_env.vehicles import Lines, OffAxle, OnAxle, Rectangles, move
 from hav_env.world import sensing
 from hav_env.world.task import Task
 
@@ -56,12 +56,15 @@ __all__ = [
     "Crossing",
     "Explicit",
     "HAVVecEnv",
+    "Lines",
     "Observation",
+    "OffAxle",
     "OnAxle",
     "PlacementError",
     "PolicyDriver",
     "RandomFleet",
     "RandomPoses",
+    "Rectangles",
     "Reward",
     "Task",
     "Yard",

@@ -80,6 +80,10 @@ def machinery_digest() -> str:
     return hashlib.sha256(content).hexdigest()
 
 
+# parts of the world have types that select code, as models do; they follow from the models
+_PARTS = f"{_PROJECT}.world."
+
+
 class _Walk:
     """A way through functions; every one of them is visited once."""
 
@@ -117,7 +121,8 @@ class _Walk:
                 continue
             found = [model for model in sorted(self.models, key=name_of) if model in table]
             for model in found:
-                self.chosen.add(model.__name__)
+                if not model.__module__.startswith(_PARTS):
+                    self.chosen.add(model.__name__)
                 self.facts.add(f"{generic.__qualname__} of {name_of(model)}")
                 self._note(table[model])
             for other in generic.others:

@@ -13,6 +13,8 @@ from hav_env.models.annotations import Range
 ABOVE_ZERO = math.nextafter(0.0, 1.0)
 
 Length = Annotated[float, Range(0.01, 1e3, "m")]  # of a truck or a trailer
+BodyWidth = Annotated[float, Range(0.0, 100.0, "m")]
+Overhang = Annotated[float, Range(0.0, 100.0, "m")]  # of a body beyond a front end or an axle
 Gap = Annotated[float, Range(1e-3, 1e6, "m")]  # more than rounding adds up to along a row of HAVs
 Coordinate = Annotated[float, Range(-1e8, 1e8, "m")]  # five times as far as web maps reach
 Heading = Annotated[float, Range(-1e6, 1e6, "rad")]

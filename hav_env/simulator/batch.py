@@ -15,10 +15,11 @@ from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.transition import ended, remove_arrived, step
 from hav_env.simulator.trial import try_scenario, try_vehicle
-from hav_env.vehicles import OnAxle, check_vehicle
+from hav_env.vehicles import OnAxle, bodies_of, check_vehicle, needs_hitches
 from hav_env.world.arrays import EPISODE, SEED, World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
 from hav_env.world.task import Task, check_at_once, check_task
+from hav_env.world.units.parts import Lines
 
 _FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
 
@@ -81,16 +82,17 @@ class Batch:
         check_scenario(scenario)
         check_task(task)
         check_vehicle(vehicle)
+        check_continuous(task, vehicle)
         try_scenario(scenario)
         try_vehicle(vehicle)
         self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
         self.num_worlds = int(num_worlds)
         self.threads = threads
         self._begun = False
-        self.bytes_per_world = world_size(*_shape(self.scenario, self.task))
+        self.bytes_per_world = world_size(*_shape(self.scenario, self.task, self.vehicle))
         check_memory("num_havs", self.scenario.num_havs, self.bytes_per_world)
         check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
-        self.worlds: World = worlds_for(self.scenario, self.task, self.num_worlds)
+        self.worlds: World = worlds_for(self.scenario, self.task, self.vehicle, self.num_worlds)
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
         """Begin an episode in every world.
@@ -162,14 +164,24 @@ class Batch:
         return ended(self.task, self.worlds, slice(None))
 
 
-def worlds_for(scenario: Any, task: Task, num_worlds: int) -> World:
+def worlds_for(scenario: Any, task: Task, vehicle: Any, num_worlds: int) -> World:
     """Return the arrays of worlds in which episodes of a scenario may begin."""
-    return allocate_worlds(num_worlds, *_shape(scenario, task))
+    return allocate_worlds(num_worlds, *_shape(scenario, task, vehicle))
 
 
-def _shape(scenario: Any, task: Task) -> tuple[int, int, int, bool]:
-    units = scenario.max_trailers + 1
-    return scenario.num_havs, units, scenario.num_goals, task.continuous_collisions
+def _shape(scenario: Any, task: Task, vehicle: Any) -> tuple[int, int, int, bool, bool, Any]:
+    units, parts = scenario.max_trailers + 1, (needs_hitches(vehicle), bodies_of(vehicle))
+    return scenario.num_havs, units, scenario.num_goals, task.continuous_collisions, *parts
+
+
+def check_continuous(task: Task, vehicle: Any) -> None:
+    """Raise ValueError where collisions between steps are asked for that are not looked for."""
+    known = not needs_hitches(vehicle) and isinstance(bodies_of(vehicle), Lines)
+    if task.continuous_collisions and not known:
+        raise ValueError(
+            "task continuous_collisions is True, but must be False for vehicles with hitches off"
+            " the axles or with bodies that have a width: they are compared at steps alone"
+        )
 
 
 def check_seed(seed: Any) -> None:

@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 
-from hav_env.compiled import fixed, kernel, rare_kernel
+from hav_env.compiled import fixed, generic, kernel, rare_kernel
 from hav_env.scenarios import populate
 from hav_env.world.arrays import HIT_STEP, MISS_COUNT, MISS_DISTANCE, NEVER, STEP
 from hav_env.world.continuous_collision import note_axles
 from hav_env.world.events import record_collisions
 from hav_env.world.goals import assign_goal
 from hav_env.world.neighborhood import find_nearby
+from hav_env.world.units.parts import Hitches, Lines, OnAxles, Outlines
 
 
 @kernel
@@ -98,6 +99,8 @@ def put_worlds(block, worlds, places):
     copy_rows(block.fleet.length, worlds.fleet.length, places, lanes)
     copy_rows(block.fleet.radius, worlds.fleet.radius, places, lanes)
     copy_rows(block.fleet.limit, worlds.fleet.limit, places, lanes)
+    copy_parts(block.fleet.joints, worlds.fleet.joints, places, lanes)
+    copy_parts(block.fleet.bodies, worlds.fleet.bodies, places, lanes)
     copy_rows(block.goals, worlds.goals, places, lanes)
     copy_rows(block.nearby.count, worlds.nearby.count, places, lanes)
     _put_neighbors(block, worlds, places)
@@ -128,3 +131,26 @@ def copy_rows(block, worlds, places, lanes):
     for index in np.ndindex(block.shape[:-1]):
         for lane in range(lanes):
             worlds[(*index, places[lane])] = block[(*index, lane)]
+
+
+@generic
+def copy_parts(part, worlds, places, lanes):
+    """Copy lanes of a part of a fleet to their places in that of all worlds."""
+
+
+@copy_parts.register(OnAxles)
+@copy_parts.register(Lines)
+def _copy_nothing(part, worlds, places, lanes):
+    pass
+
+
+@copy_parts.register(Hitches)
+def _copy_hitches(part, worlds, places, lanes):
+    copy_rows(part.offset, worlds.offset, places, lanes)
+    copy_rows(part.limit, worlds.limit, places, lanes)
+
+
+@copy_parts.register(Outlines)
+def _copy_outlines(part, worlds, places, lanes):
+    copy_rows(part.shape, worlds.shape, places, lanes)
+    copy_rows(part.reach, worlds.reach, places, lanes)

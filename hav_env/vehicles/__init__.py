@@ -1,10 +1,13 @@
 """This package has the kinematics of trucks and trailers: one file for each model."""
 
+import functools
 from typing import Any
 
 from hav_env.compiled import generic
-from hav_env.models.checks import check_model
+from hav_env.models.checks import check_model, check_value
 from hav_env.models.names import Registry
+from hav_env.vehicles.bodies import Bodies, Lines, Rectangles
+from hav_env.vehicles.off_axle import OffAxle, move_off_axle
 from hav_env.vehicles.on_axle import OnAxle, move_on_axle
 from hav_env.world.arrays import World
 
@@ -27,16 +30,40 @@ def check_vehicle(vehicle: Any) -> None:
         TypeError: when this is no vehicle, or a field has a value of another kind.
     """
     check_model("vehicle", vehicle, move)
+    check_value("vehicle bodies", Bodies, bodies_of(vehicle))
 
 
+@functools.singledispatch
+def needs_hitches(vehicle: Any) -> bool:
+    """Tell whether a vehicle's trailers may be hitched off the axles ahead of them."""
+    return False
+
+
+def bodies_of(vehicle: Any) -> Any:
+    """Return the bodies of a vehicle: lines, unless it has others."""
+    return getattr(vehicle, "bodies", Lines())
+
+
+needs_hitches.register(OffAxle, lambda vehicle: True)
 move.register(OnAxle)(move_on_axle)
+move.register(OffAxle)(move_off_axle)
 
 VEHICLES = Registry(
     "vehicle",
     "hav_env.vehicles",
     move.table.__contains__,
     "register it with move.register",
-    {"on_axle": OnAxle},
+    {"on_axle": OnAxle, "off_axle": OffAxle},
 )
 
-__all__ = ["VEHICLES", "OnAxle", "check_vehicle", "move"]
+__all__ = [
+    "VEHICLES",
+    "Lines",
+    "OffAxle",
+    "OnAxle",
+    "Rectangles",
+    "bodies_of",
+    "check_vehicle",
+    "move",
+    "needs_hitches",
+]

@@ -18,8 +18,9 @@ import numpy as np
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import into_frame
-
-Array = Any  # np.ndarray
+from hav_env.world.units.joints import hitch_offset, hitch_on_axles, least_squared_radius
+from hav_env.world.units.outlines import find_reach, shape_as_usual
+from hav_env.world.units.parts import Array, Lines, allocate_bodies, allocate_joints, arrays_in
 
 
 class State(NamedTuple):
@@ -51,6 +52,8 @@ class Fleet(NamedTuple):
     length: Array  # (N, U, W) wheelbase l^0, trailer lengths l^j [m], inf beyond the last
     radius: Array  # (N, 2, W) columns FOOTPRINT, STABLE [m]
     limit: Array  # (N, 5, W) columns SPEED [m/s], STEERING, ARTICULATION [rad], STEERING_COSINE ..
+    joints: Any  # OnAxles or Hitches, see hav_env.world.units.parts
+    bodies: Any  # Lines or Outlines
 
 
 FOOTPRINT, STABLE = range(2)  # d_i, the sum of the trailers' lengths; R_min, eq. (rmin)
@@ -125,6 +128,8 @@ def allocate_worlds(
     num_units: int,
     num_goals: int,
     continuous: bool = False,
+    hitched: bool = False,
+    bodies: Any = Lines(),  # a NamedTuple is immutable
     zeros: Callable[..., np.ndarray] = np.zeros,
 ) -> World:
     """Return the arrays of a batch; a scenario fills them.
@@ -138,6 +143,8 @@ def allocate_worlds(
         num_units: U.
         num_goals: G.
         continuous: whether collisions between steps are looked for.
+        hitched: whether hitches may lie off the axles.
+        bodies: the model of the bodies.
         zeros: makes each array from its shape and kind of numbers.
     """
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
@@ -157,7 +164,12 @@ def allocate_worlds(
             *(far_apart, real(n), real(n, u), real(n, u), real(n, u), real(n), real(n)),
             *(real(3), real(n, 7), waiting, whole(3)),
         ),
-        Fleet(whole(n), *(real(n, size) + 1.0 for size in (u, 2, 5))),
+        Fleet(
+            whole(n),
+            *(real(n, u) + 1.0, real(n, 2) + 1.0, real(n, 5) + 1.0),
+            allocate_joints(hitched, (n, u, w), zeros),
+            allocate_bodies(bodies, (n, u, w), zeros),
+        ),
         real(n, g, 3),
         Nearby(
             whole(n),
@@ -175,15 +187,21 @@ def allocate_worlds(
     )
 
 
-def world_size(num_havs: int, num_units: int, num_goals: int, continuous: bool = False) -> int:
+def world_size(
+    num_havs: int,
+    num_units: int,
+    num_goals: int,
+    continuous: bool = False,
+    hitched: bool = False,
+    bodies: Any = Lines(),
+) -> int:
     """Return how many bytes the arrays of one world take; nothing is allocated."""
 
     def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
         return np.broadcast_to(kind(0), shape)
 
-    worlds = allocate_worlds(1, num_havs, num_units, num_goals, continuous, unbacked)
-    parts = (*worlds.state, *worlds.fleet, worlds.goals, *worlds.nearby, *worlds.record)
-    return sum(part.nbytes for part in parts)
+    shape = num_havs, num_units, num_goals, continuous, hitched, bodies
+    return sum(array.nbytes for array in arrays_in(allocate_worlds(1, *shape, unbacked)))
 
 
 @kernel
@@ -216,31 +234,37 @@ def put_straight(state, agent, lane, x, y, heading):
 
 @kernel
 def derive_radii(fleet, agent, lane, truck_share):
-    """Set what follows from a HAV's lengths: footprint radius d_i and minimal stable radius R_min.
+    """Set what follows from a HAV's lengths and hitches: footprint radius d_i and R_min.
 
-    d_i = sum_j l^j over the trailers, plus a share of the truck's length (the paper's is 0).
+    d_i is the distance from the truck's rear axle to the end of the last trailer of a straight
+    HAV, sum_j l^j where all are hitched on axles, plus a share of the truck's length (the paper's
+    is 0). A hitch ahead of an axle counts as a way there and back.
 
-    R_min = sqrt(sum_j (l^j)^2) over the truck and all trailers, eq. (rmin).
+    R_min = sqrt(sum_j (l^j)^2) over the truck and all trailers, eq. (rmin), where all are hitched
+    on axles.
     """
     truck = fleet.length[agent, 0, lane]
-    footprint, squares = truck_share * truck, truck * truck
+    footprint = truck_share * truck + abs(hitch_offset(fleet.joints, agent, 0, lane))
     for unit in range(1, fleet.num_trailers[agent, lane] + 1):
-        length = fleet.length[agent, unit, lane]
-        footprint += length
-        squares += length * length
+        offset = hitch_offset(fleet.joints, agent, unit, lane)
+        footprint += abs(fleet.length[agent, unit, lane] + offset)
     fleet.radius[agent, FOOTPRINT, lane] = footprint
+    squares = least_squared_radius(fleet.joints, fleet, agent, lane)
     fleet.radius[agent, STABLE, lane] = math.sqrt(squares)
+    find_reach(fleet.bodies, fleet, agent, lane)
 
 
 @kernel
 def set_limits(scenario, fleet, agent, lane):
-    """Set the limits of a HAV to its scenario's."""
+    """Set the limits of a HAV to its scenario's, hitches on the axles and the usual bodies."""
     sine, cosine = sincos(scenario.steering_max)
     fleet.limit[agent, SPEED, lane] = scenario.speed_max
     fleet.limit[agent, STEERING, lane] = scenario.steering_max
     fleet.limit[agent, ARTICULATION, lane] = scenario.articulation_max
     fleet.limit[agent, STEERING_COSINE, lane] = cosine
     fleet.limit[agent, STEERING_SINE, lane] = sine
+    hitch_on_axles(fleet.joints, agent, lane, scenario.articulation_max)
+    shape_as_usual(fleet.bodies, agent, lane)
 
 
 @kernel

@@ -1,13 +1,17 @@
-"""This module computes the chain of a HAV: its axles, given its pose, headings and lengths.
+"""This module computes the chain of a HAV: its units one behind the other, from front to rear.
 
-The truck's front axle is its length ahead of its rear axle. Each trailer is hitched on the axle
-ahead of it, and its own axle is its length behind. The simulator calls the kernels, and drawings
-call ``axles_of``; both add up from front to rear.
+The truck's front end is its front axle, its length ahead of its rear axle. A trailer's is its
+hitch, and its own axle is its length behind. Trailers are hitched on the axle ahead of them, or as
+``fleet.joints`` tells. The simulator calls the kernels, and drawings call ``axles_of``; both add up
+from front to rear.
 """
+
+from typing import Any
 
 import numpy as np
 
 from hav_env.compiled import kernel
+from hav_env.world.units.joints import unit_spans
 
 
 @kernel
@@ -21,32 +25,62 @@ def front_axle(world, agent, lane):
 
 
 @kernel
-def axle_behind(world, agent, unit, lane, x, y):
-    """Return the position [m] of a unit's rear end, given that of its front end.
+def ends_behind(world, agent, unit, lane, x, y):
+    """Return where the line of a unit ends and where the next one begins [m].
 
-    They are the same for a unit beyond the HAV's last.
+    They are the same for a HAV whose trailers are hitched on axles. Beyond its last unit they are
+    the place given.
+
+    Args:
+        world: a block.
+        agent: which HAV.
+        unit: which of its units.
+        lane: which world.
+        x: of the front end of the unit [m].
+        y: likewise [m].
+
+    Returns:
+        x and y of the end; x and y of the front end of the unit behind.
     """
-    present = unit <= world.fleet.num_trailers[agent, lane]
-    length = world.fleet.length[agent, unit, lane] if present else 0.0
-    return (
-        x - length * world.state.cosine[agent, unit, lane],
-        y - length * world.state.sine[agent, unit, lane],
-    )
+    line, following = unit_spans(world.fleet.joints, world.fleet, agent, unit, lane)
+    cosine, sine = world.state.cosine[agent, unit, lane], world.state.sine[agent, unit, lane]
+    return x - line * cosine, y - line * sine, x - following * cosine, y - following * sine
 
 
-def axles_of(x, y, heading: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """Return where the axles of HAVs are, the polygonal chain P_i.
+def axles_of(x, y, heading: np.ndarray, length: np.ndarray, offset: Any = 0.0) -> np.ndarray:
+    """Return where the axles of HAVs are; hitched on axles, they are the polygonal chain P_i.
 
     Args:
         x: (...) of the truck's rear axle [m].
         y: (...) likewise [m].
         heading: (..., K) of the units [rad], without any beyond the last.
         length: (..., K) of the units [m].
+        offset: (..., K) how far behind the axle of each unit its trailer is hitched [m].
 
     Returns:
         (..., K + 1, 2) x and y [m]: the truck's front axle, its rear axle, each trailer's axle.
     """
+    fronts, direction = _fronts_of(x, y, heading, length, offset)
+    behind = fronts - np.asarray(length)[..., None] * direction
+    return np.concatenate([fronts[..., :1, :], behind], axis=-2)
+
+
+def fronts_of(x, y, heading: np.ndarray, length: np.ndarray, offset: Any = 0.0) -> np.ndarray:
+    """Return where the front ends of units are: the truck's front axle, the trailers' hitches.
+
+    Args and shapes are those of ``axles_of``.
+
+    Returns:
+        (..., K, 2) x and y [m].
+    """
+    return _fronts_of(x, y, heading, length, offset)[0]
+
+
+def _fronts_of(x, y, heading, length, offset) -> tuple[np.ndarray, np.ndarray]:
+    """Return the front ends of units, and the directions of their headings, (..., K, 2) each."""
     direction = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     along = np.asarray(length)[..., None] * direction
+    following = (np.asarray(length) + offset)[..., None] * direction
     front = np.stack([x, y], axis=-1) + along[..., 0, :]
-    return np.cumsum(np.concatenate([front[..., None, :], -along], axis=-2), axis=-2)
+    chain = np.concatenate([front[..., None, :], -following[..., :-1, :]], axis=-2)
+    return np.cumsum(chain, axis=-2), direction

@@ -8,8 +8,9 @@ import math
 
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import segments_intersect
-from hav_env.world.chain import axle_behind, front_axle
-from hav_env.world.collision import AXLE_ROUNDING, box_of, reach, squared_distance, within
+from hav_env.world.bodies import find_box
+from hav_env.world.chain import ends_behind, front_axle
+from hav_env.world.collision import AXLE_ROUNDING, reach, squared_distance, within
 
 
 @rare_kernel
@@ -82,7 +83,7 @@ def note_axles(world, agent):
     for unit in range(world.units):
         for lane in range(world.lanes):
             x, y = were[agent, 2 * unit, lane], were[agent, 2 * unit + 1, lane]
-            x, y = axle_behind(world, agent, unit, lane, x, y)
+            x, y, _, _ = ends_behind(world, agent, unit, lane, x, y)
             were[agent, 2 * unit + 2, lane], were[agent, 2 * unit + 3, lane] = x, y
 
 
@@ -107,7 +108,7 @@ def may_meet(world, agent, other, lane):
 @kernel
 def box_of_way(world, agent, lane):
     """Return the box round the chain of a HAV and where its axles were before the step."""
-    left, right, low, high = box_of(world, agent, lane)
+    left, right, low, high = find_box(world.fleet.bodies, world, agent, lane)
     for axle in range(world.fleet.num_trailers[agent, lane] + 2):
         x, y = _was(world, agent, axle, lane)
         left, right, low, high = min(left, x), max(right, x), min(low, y), max(high, y)
@@ -119,13 +120,20 @@ def collision_between(world, agent, other, lane):
     """Tell whether the chains of two HAVs have met since the step before, or do so now."""
     a, to_a = _was(world, agent, 0, lane), front_axle(world, agent, lane)
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
-        b, to_b = _was(world, agent, unit + 1, lane), axle_behind(world, agent, unit, lane, *to_a)
+        b, to_b = _was(world, agent, unit + 1, lane), _end_of(world, agent, unit, lane, to_a)
         c, to_c = _was(world, other, 0, lane), front_axle(world, other, lane)
         for other_unit in range(world.fleet.num_trailers[other, lane] + 1):
             d = _was(world, other, other_unit + 1, lane)
-            to_d = axle_behind(world, other, other_unit, lane, *to_c)
+            to_d = _end_of(world, other, other_unit, lane, to_c)
             if moving_segments_meet(a, b, c, d, to_a, to_b, to_c, to_d):
                 return True
             c, to_c = d, to_d
         a, to_a = b, to_b
     return False
+
+
+@kernel
+def _end_of(world, agent, unit, lane, front):
+    """Return the axle of a unit, given its front end [m]."""
+    x, y, _, _ = ends_behind(world, agent, unit, lane, *front)
+    return x, y

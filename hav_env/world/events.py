@@ -19,15 +19,12 @@ from hav_env.world.arrays import (
     WHERE,
     as_place,
 )
-from hav_env.world.collision import (
-    actual_collision,
-    box_of,
-    boxes_overlap,
-    potential_collision,
-)
+from hav_env.world.bodies import bodies_meet, boxes_overlap, find_box
+from hav_env.world.collision import potential_collision
 from hav_env.world.continuous_collision import box_of_way, collision_between, may_meet
 from hav_env.world.neighborhood import in_range
 from hav_env.world.task import records
+from hav_env.world.units.joints import joint_limit
 
 
 @kernel
@@ -64,7 +61,10 @@ def record_motion(task, world, agent):
 
 @kernel
 def _may_jackknife(world, agent, lane):
-    """Tell whether a HAV that never jackknifed has been beyond its limit; below, none can."""
+    """Tell whether a HAV that never jackknifed has been beyond its limit; below, none can.
+
+    Where joints have limits of their own, the HAV's is the least of them.
+    """
     beyond = world.record.total[agent, LARGEST, lane] > world.fleet.limit[agent, ARTICULATION, lane]
     return beyond & (world.record.first[agent, JACKKNIFE, WHEN, lane] == NEVER)
 
@@ -76,8 +76,9 @@ def _record_jackknifes(task, world, agent):
         recorded = records(task, world.state.clock[STEP, lane])
         if not (recorded and _may_jackknife(world, agent, lane)):
             continue
-        limit = world.fleet.limit[agent, ARTICULATION, lane]
+        usual = world.fleet.limit[agent, ARTICULATION, lane]
         for unit in range(1, world.fleet.num_trailers[agent, lane] + 1):
+            limit = joint_limit(world.fleet.joints, usual, agent, unit, lane)
             ahead = world.state.heading[agent, unit - 1, lane]
             articulation = world.state.heading[agent, unit, lane] - ahead
             if abs(articulation) > limit and jackknifed(articulation, limit):
@@ -126,9 +127,10 @@ def _record_potential(task, world, agent, other, lane):
 @kernel
 def _record_actual(world, agent, other, lane):
     """Record an actual collision, if it is one and new; return whether it is."""
+    bodies = world.fleet.bodies
     happened = _is_new(world.record.first, ACTUAL, agent, other, lane) and (
-        boxes_overlap(box_of(world, agent, lane), box_of(world, other, lane))
-        and actual_collision(world, agent, other, lane)
+        boxes_overlap(find_box(bodies, world, agent, lane), find_box(bodies, world, other, lane))
+        and bodies_meet(bodies, world, agent, other, lane)
     )
     if happened:
         _record_both(world, ACTUAL, agent, other, lane)

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, kernel, lanes_from, rare_kernel
+from hav_env.compiled import VECTOR, generic, kernel, lanes_from, rare_kernel
 from hav_env.world.arrays import Fleet, Nearby, Record, State, World
+from hav_env.world.units.parts import Hitches, Lines, OnAxles, Outlines, part_from
 
 LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
 # the same where observations and rewards are written as well: these rows are many, and longer
@@ -37,6 +38,8 @@ def block_of(worlds, first, lanes, units):
             lanes_from(fleet.length, first),
             lanes_from(fleet.radius, first),
             lanes_from(fleet.limit, first),
+            part_from(fleet.joints, first),
+            part_from(fleet.bodies, first),
         ),
         lanes_from(worlds.goals, first),
         Nearby(
@@ -87,6 +90,29 @@ def exchange_lanes(one, lane, other, to):
         one[(*index, lane)] = kept
 
 
+@generic
+def exchange_parts(one, other, lane, to):
+    """Exchange a lane of a part of a fleet with a lane of another one, or of its own."""
+
+
+@exchange_parts.register(OnAxles)
+@exchange_parts.register(Lines)
+def _exchange_nothing(one, other, lane, to):
+    pass
+
+
+@exchange_parts.register(Hitches)
+def _exchange_hitches(one, other, lane, to):
+    exchange_lanes(one.offset, lane, other.offset, to)
+    exchange_lanes(one.limit, lane, other.limit, to)
+
+
+@exchange_parts.register(Outlines)
+def _exchange_outlines(one, other, lane, to):
+    exchange_lanes(one.shape, lane, other.shape, to)
+    exchange_lanes(one.reach, lane, other.reach, to)
+
+
 @rare_kernel
 def exchange_worlds(one, lane, other, to):
     """Exchange the worlds in two lanes of batches of the same shapes, or of one batch.
@@ -108,6 +134,8 @@ def exchange_worlds(one, lane, other, to):
     exchange_lanes(one.fleet.length, lane, other.fleet.length, to)
     exchange_lanes(one.fleet.radius, lane, other.fleet.radius, to)
     exchange_lanes(one.fleet.limit, lane, other.fleet.limit, to)
+    exchange_parts(one.fleet.joints, other.fleet.joints, lane, to)
+    exchange_parts(one.fleet.bodies, other.fleet.bodies, lane, to)
     exchange_lanes(one.goals, lane, other.goals, to)
     _exchange_neighbors(one, lane, other, to)
     exchange_lanes(one.nearby.were, lane, other.nearby.were, to)
@@ -133,8 +161,10 @@ def _exchange_neighbors(one, lane, other, to):
 def view_of(worlds: World, w: int) -> World:
     """Return the view of one world in Python: the arrays without their last axis."""
 
-    def view(arrays: Any) -> Any:
-        return type(arrays)(*(array[..., w] for array in arrays))
+    def view(part: Any) -> Any:
+        if isinstance(part, tuple):
+            return type(part)(*map(view, part))
+        return part[..., w] if isinstance(part, np.ndarray) else part
 
     nearby = worlds.nearby
     of_world = nearby.index[w], nearby.circle[..., w], nearby.num_pairs[w], nearby.pair[w]

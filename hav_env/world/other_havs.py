@@ -1,14 +1,18 @@
-"""This module tells where another HAV is, as seen from a HAV's truck: its place, heading, chain.
+"""This module tells where another HAV is, as seen from a HAV's truck: its place, heading, bodies.
 
 The other HAV is given by its number; ``hav_env.world.sensing`` finds it in the list of neighbours.
 """
 
 import math
 
-from hav_env.compiled import fixed, kernel
+from hav_env.compiled import fixed, generic, kernel
 from hav_env.maths.geometry import nearest_on_segment
+from hav_env.maths.rectangles import nearest_on_rectangle
 from hav_env.world.arrays import into_truck_frame
-from hav_env.world.chain import axle_behind, front_axle
+from hav_env.world.chain import ends_behind, front_axle
+from hav_env.world.rectangle_bodies import rectangle_of
+from hav_env.world.units.joints import unit_spans
+from hav_env.world.units.parts import Lines, Outlines
 
 # front end of the unit at hand, nearest point so far [m]; its squared distance [m^2]
 FRONT_X, FRONT_Y, NEAREST_X, NEAREST_Y, LEAST_SQUARED, CHAIN_ROWS = range(6)
@@ -31,11 +35,32 @@ def direction_of(world, agent, other, lane):
     return into_truck_frame(state, agent, lane, cosine, sine)
 
 
+@generic
+def nearest_on_unit(bodies, world, agent, unit, lane, front_x, front_y, x, y):
+    """Return the point of the body of a unit that is nearest to a place [m], given its front end.
+
+    Beyond the HAV's last unit it is the front end, which is a point of the unit before.
+    """
+
+
+@nearest_on_unit.register(Lines)
+def _nearest_on_line(bodies, world, agent, unit, lane, front_x, front_y, x, y):
+    line, _ = unit_spans(world.fleet.joints, world.fleet, agent, unit, lane)
+    back_x, back_y = -world.state.cosine[agent, unit, lane], -world.state.sine[agent, unit, lane]
+    return nearest_on_segment(front_x, front_y, back_x, back_y, line, x, y)
+
+
+@nearest_on_unit.register(Outlines)
+def _nearest_on_rectangle_of(bodies, world, agent, unit, lane, front_x, front_y, x, y):
+    rectangle = rectangle_of(bodies, world, agent, unit, lane, front_x, front_y)
+    return nearest_on_rectangle(rectangle, x, y)
+
+
 @kernel
 def find_nearest_points(world, agent, other, chain):
-    """Find in all lanes where the chain of another HAV is nearest to the own rear axle.
+    """Find in all lanes where the bodies of another HAV are nearest to the own rear axle.
 
-    In one lane ``nearest_on_chain`` does the same, with a loop over the units inside.
+    In one lane ``nearest_on_bodies`` does the same, with a loop over the units inside.
 
     Args:
         world: a block.
@@ -44,7 +69,7 @@ def find_nearest_points(world, agent, other, chain):
         chain: (CHAIN_ROWS, L) scratch; rows NEAREST_X and NEAREST_Y become the point, seen from the
             truck: forward [m], left [m].
     """
-    state = world.state
+    state, bodies = world.state, world.fleet.bodies
     for lane in range(world.lanes):
         x, y = front_axle(world, other, lane)
         chain[FRONT_X, lane] = chain[NEAREST_X, lane] = x
@@ -55,19 +80,15 @@ def find_nearest_points(world, agent, other, chain):
         for lane in range(world.lanes):
             x, y = state.x[agent, lane], state.y[agent, lane]
             ax, ay = chain[FRONT_X, lane], chain[FRONT_Y, lane]
-            # beyond the last unit the segment is a point that was looked at before
-            bx, by = axle_behind(world, other, unit, lane, ax, ay)
-            present = unit <= world.fleet.num_trailers[other, lane]
-            length = world.fleet.length[other, unit, lane] if present else 0.0
-            back_x, back_y = -state.cosine[other, unit, lane], -state.sine[other, unit, lane]
-            px, py = nearest_on_segment(ax, ay, back_x, back_y, length, x, y)
+            px, py = nearest_on_unit(bodies, world, other, unit, lane, ax, ay, x, y)
             squared = (px - x) * (px - x) + (py - y) * (py - y)
             least = chain[LEAST_SQUARED, lane]
             nearer = squared < least
             chain[NEAREST_X, lane] = px if nearer else chain[NEAREST_X, lane]
             chain[NEAREST_Y, lane] = py if nearer else chain[NEAREST_Y, lane]
             chain[LEAST_SQUARED, lane] = squared if nearer else least
-            chain[FRONT_X, lane], chain[FRONT_Y, lane] = bx, by
+            _, _, front_x, front_y = ends_behind(world, other, unit, lane, ax, ay)
+            chain[FRONT_X, lane], chain[FRONT_Y, lane] = front_x, front_y
     for lane in range(world.lanes):
         dx = chain[NEAREST_X, lane] - state.x[agent, lane]
         dy = chain[NEAREST_Y, lane] - state.y[agent, lane]

@@ -31,7 +31,8 @@ from hav_env.world.arrays import (
     into_truck_frame,
     truck_distance,
 )
-from hav_env.world.collision import front_axle, front_gap, nearest_on_chain, offset_between
+from hav_env.world.bodies import front_end, nearest_on_bodies
+from hav_env.world.collision import front_gap, offset_between
 from hav_env.world.other_havs import direction_of, place_of
 
 
@@ -217,27 +218,28 @@ def neighbor_articulation(
 
 @kernel
 def neighbor_nearest_point(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
-    """Return the point of the chain of neighbour ``k`` that is nearest: forward [m], left [m]."""
+    """Return the point of the bodies of neighbour ``k`` that is nearest: forward [m], left [m]."""
     state, other = world.state, neighbor_id(world, agent, k, lane)
     x, y = state.x[agent, lane], state.y[agent, lane]
-    px, py = nearest_on_chain(world, other, lane, x, y)
+    px, py = nearest_on_bodies(world.fleet.bodies, world, other, lane, x, y)
     return into_truck_frame(state, agent, lane, px - x, py - y)
 
 
 @kernel
 def neighbor_before_front(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
-    """Return the point of the chain of neighbour ``k`` that is nearest to the own front axle.
+    """Return the point of the bodies of neighbour ``k`` that is nearest to the own front.
 
     It is seen from there: forward [m], left [m].
     """
-    x, y = front_axle(world, agent, lane)
-    px, py = nearest_on_chain(world, neighbor_id(world, agent, k, lane), lane, x, y)
+    x, y = front_end(world.fleet.bodies, world, agent, lane)
+    other = neighbor_id(world, agent, k, lane)
+    px, py = nearest_on_bodies(world.fleet.bodies, world, other, lane, x, y)
     return into_truck_frame(world.state, agent, lane, px - x, py - y)
 
 
 @kernel
 def neighbor_front_gap(world: World, agent: int, k: int, lane: int) -> float:
-    """Return the distance from the front axle of neighbour ``k`` to the own chain [m]."""
+    """Return the distance from the front of neighbour ``k`` to the own bodies [m]."""
     return front_gap(world, neighbor_id(world, agent, k, lane), agent, lane)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from hav_env import OnAxle, RandomPoses, Reward, parallel_env
+from hav_env.compiled import canonical
 from hav_env.mdp.decision_process import DecisionProcess
 
 
@@ -12,7 +13,7 @@ from hav_env.mdp.decision_process import DecisionProcess
 def test_a_name_is_the_model(vehicle, reward):
     scenario = "hav_env.scenarios:RandomPoses"
     process = DecisionProcess(1, scenario=scenario, vehicle=vehicle, reward=reward)
-    assert process.batch.vehicle == (1, 0)
+    assert process.batch.vehicle == canonical(OnAxle())
     assert process.batch.scenario == RandomPoses()
     process.set_reward(Reward(goal=3.0))
 

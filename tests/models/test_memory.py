@@ -14,6 +14,7 @@ from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.models.memory import available_memory
 from hav_env.policies.interface import allocate_memory
 from hav_env.world.arrays import allocate_worlds, world_size
+from hav_env.world.units.parts import arrays_in
 
 LITTLE = 2**26  # bytes
 
@@ -27,7 +28,7 @@ def little_memory(monkeypatch):
 @pytest.mark.parametrize("shape", [(1, 2, 1), (2, 11, 2), (20, 5, 3), (300, 11, 2)])
 def test_a_world_takes_what_its_arrays_take(shape):
     worlds = allocate_worlds(3, *shape)
-    arrays = *worlds.state, *worlds.fleet, worlds.goals, *worlds.nearby, *worlds.record
+    arrays = arrays_in(worlds)
     # three numbers for each lane are scratch of a block, all else belongs to a world
     assert 3 * world_size(*shape) == sum(array.nbytes for array in arrays)
 

@@ -7,6 +7,7 @@ import numpy as np
 from hav_env import Batch, Explicit, RandomFleet, RandomPoses, Task, explicit
 from hav_env.world.arrays import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE
 from hav_env.world.lanes import view_of
+from hav_env.world.units.parts import arrays_in
 
 ALL = slice(None)
 
@@ -74,6 +75,14 @@ def put(worlds, lengths, x=0.0, y=0.0, headings=0.0, *, w=0, agent=0):
     state.sine[agent, :, w] = np.sin(state.heading[agent, :, w])
 
 
+def hitch(worlds, offsets, limits=None, *, w=0, agent=0):
+    """Hitch trailers off the axles: c_j [m] of all trailers, limits of their joints [rad]."""
+    joints, trailers = worlds.fleet.joints, len(offsets)
+    joints.offset[agent, :, w] = 0.0
+    joints.offset[agent, :trailers, w] = offsets
+    joints.limit[agent, 1 : trailers + 1, w] = math.pi / 2 if limits is None else limits
+
+
 def limit(worlds, *, speed=1.0, steering=math.radians(50), articulation=math.pi / 2):
     """Give every HAV of every world the same limits."""
     columns = [speed, steering, articulation, math.cos(steering), math.sin(steering)]
@@ -92,8 +101,9 @@ def bits(worlds, w: int = 0) -> list[bytes]:
     world = view_of(worlds, w)
     count, index = world.nearby[:2]
     neighbors = [row[:filled] for row, filled in zip(index, count, strict=True)]
-    arrays = [*world.state, *world.fleet, world.goals, count, *neighbors, *world.record]
-    return [array.tobytes() for array in arrays]
+    fleet = world.fleet._replace(joints=world.fleet.joints[:2])  # without scratch
+    parts = world.state, fleet, world.goals, count, *neighbors, world.record
+    return [array.tobytes() for array in arrays_in(parts)]
 
 
 def side_by_side(*distances, gap=30.0) -> Explicit:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hav_env.world.arrays import allocate_worlds, turn_unit
-from hav_env.world.chain import axle_behind, axles_of, front_axle
+from hav_env.world.chain import axles_of, ends_behind, front_axle
 
 RANDOM = np.random.default_rng(7)
 
@@ -23,10 +23,10 @@ def worlds():
 def test_numpy_and_the_kernels_agree(worlds):
     places = [front_axle(worlds, 0, 0)]
     for unit in range(4):
-        places.append(axle_behind(worlds, 0, unit, 0, *places[-1]))
+        places.append(ends_behind(worlds, 0, unit, 0, *places[-1])[:2])
     pose = 120.0, -3.5, worlds.state.heading[0, :4, 0], worlds.fleet.length[0, :4, 0]
     np.testing.assert_allclose(axles_of(*pose), places, atol=1e-12)
-    assert axle_behind(worlds, 0, 4, 0, *places[-1]) == places[-1]
+    assert ends_behind(worlds, 0, 4, 0, *places[-1]) == 2 * places[-1]
 
 
 def test_many_chains_are_worked_out_together():

@@ -1,0 +1,63 @@
+"""This module computes on rectangles in the plane: whether two share a point, the nearest point.
+
+A rectangle has a middle (x, y) [m], a direction along it (cosine, sine), half a length along that
+and half a width across [m]. Either may be zero: it is then a segment, or a point.
+"""
+
+from hav_env.compiled import kernel
+from hav_env.maths.geometry import clip, into_frame
+
+
+@kernel
+def _gap_beside(dx, dy, cosine, sine, length, width, turn_cosine, turn_sine, other):
+    """Return the larger gap between two rectangles along the normals of one of them [m].
+
+    Args:
+        dx: from the middle of this one to that of the other [m].
+        dy: likewise [m].
+        cosine: of the direction of this one.
+        sine: likewise.
+        length: half its length [m].
+        width: half its width [m].
+        turn_cosine: of the angle between both, its size.
+        turn_sine: likewise.
+        other: half the length and half the width of the other [m].
+    """
+    forward, left = into_frame(dx, dy, cosine, sine)
+    along = other[0] * turn_cosine + other[1] * turn_sine
+    across = other[0] * turn_sine + other[1] * turn_cosine
+    return max(abs(forward) - length - along, abs(left) - width - across)
+
+
+@kernel
+def rectangle_gap(one, other):
+    """Return the largest gap between two rectangles along a normal of a side [m].
+
+    They share a point if and only if it is not above zero, by the separating axis theorem. It is
+    never above their distance, and equal to it where a side faces the other rectangle.
+
+    Args:
+        one: x, y, cosine, sine, half length, half width.
+        other: likewise.
+    """
+    x, y, cosine, sine, length, width = one
+    other_x, other_y, other_cosine, other_sine, other_length, other_width = other
+    dx, dy = other_x - x, other_y - y
+    turn_cosine, turn_sine = into_frame(other_cosine, other_sine, cosine, sine)
+    turn_cosine, turn_sine = abs(turn_cosine), abs(turn_sine)
+    turn = turn_cosine, turn_sine
+    return max(
+        _gap_beside(dx, dy, cosine, sine, length, width, *turn, (other_length, other_width)),
+        _gap_beside(
+            *(dx, dy, other_cosine, other_sine, other_length, other_width), *turn, (length, width)
+        ),
+    )
+
+
+@kernel
+def nearest_on_rectangle(rectangle, px, py):
+    """Return the point of a rectangle that is nearest to p [m]: p itself where p is inside."""
+    x, y, cosine, sine, length, width = rectangle
+    forward, left = into_frame(px - x, py - y, cosine, sine)
+    forward, left = clip(forward, -length, length), clip(left, -width, width)
+    return x + forward * cosine - left * sine, y + forward * sine + left * cosine

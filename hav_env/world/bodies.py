@@ -1,0 +1,108 @@
+"""This module has the bodies of HAVs as lines, and picks what is done with bodies by their type.
+
+With ``Lines`` the body of a HAV is the polygonal chain of its axles, as in the paper. Rectangles
+are in ``hav_env.world.rectangle_bodies``.
+"""
+
+import math
+
+from hav_env.compiled import generic, kernel, rare_kernel
+from hav_env.maths.geometry import nearest_on_segment, segments_intersect
+from hav_env.world.arrays import FOOTPRINT
+from hav_env.world.chain import ends_behind, front_axle
+from hav_env.world.units.joints import unit_spans
+from hav_env.world.units.parts import Lines
+
+
+@generic
+def find_box(bodies, world, agent, lane):
+    """Return the box round the bodies of a HAV: least x, greatest x, likewise y [m]."""
+
+
+@generic
+def bodies_meet(bodies, world, agent, other, lane):
+    """Tell whether the bodies of two HAVs have a point in common, exactly; it is slow."""
+
+
+@generic
+def nearest_on_bodies(bodies, world, agent, lane, x, y):
+    """Return the point of the bodies of a HAV that is nearest to a place [m]."""
+
+
+@generic
+def front_end(bodies, world, agent, lane):
+    """Return the middle of the front of a HAV [m]: the truck's front axle, or what is ahead."""
+
+
+@generic
+def reach_of(bodies, fleet, agent, lane):
+    """Return the radius [m] round the truck's rear axle that holds the whole HAV."""
+
+
+@find_box.register(Lines)
+def _box_of_lines(bodies, world, agent, lane):
+    """Hold all ends; every front end but the truck's lies on the line ahead."""
+    front_x, front_y = front_axle(world, agent, lane)
+    left, right, low, high = front_x, front_x, front_y, front_y
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        x, y, front_x, front_y = ends_behind(world, agent, unit, lane, front_x, front_y)
+        left, right, low, high = min(left, x), max(right, x), min(low, y), max(high, y)
+    return left, right, low, high
+
+
+@bodies_meet.register(Lines)
+def _lines_meet(bodies, world, agent, other, lane):
+    return _chains_meet(world, agent, other, lane)
+
+
+@rare_kernel
+def _chains_meet(world, agent, other, lane):
+    ax, ay = front_axle(world, agent, lane)
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        bx, by, next_x, next_y = ends_behind(world, agent, unit, lane, ax, ay)
+        cx, cy = front_axle(world, other, lane)
+        for other_unit in range(world.fleet.num_trailers[other, lane] + 1):
+            dx, dy, behind_x, behind_y = ends_behind(world, other, other_unit, lane, cx, cy)
+            if segments_intersect(ax, ay, bx, by, cx, cy, dx, dy):
+                return True
+            cx, cy = behind_x, behind_y
+        ax, ay = next_x, next_y
+    return False
+
+
+@nearest_on_bodies.register(Lines)
+def _nearest_on_lines(bodies, world, agent, lane, x, y):
+    ax, ay = front_axle(world, agent, lane)
+    least, nearest_x, nearest_y = math.inf, ax, ay
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        line, _ = unit_spans(world.fleet.joints, world.fleet, agent, unit, lane)
+        back_x, back_y = (
+            -world.state.cosine[agent, unit, lane],
+            -world.state.sine[agent, unit, lane],
+        )
+        px, py = nearest_on_segment(ax, ay, back_x, back_y, line, x, y)
+        squared = (px - x) * (px - x) + (py - y) * (py - y)
+        if squared < least:
+            least, nearest_x, nearest_y = squared, px, py
+        _, _, ax, ay = ends_behind(world, agent, unit, lane, ax, ay)
+    return nearest_x, nearest_y
+
+
+@front_end.register(Lines)
+def _front_of_line(bodies, world, agent, lane):
+    return front_axle(world, agent, lane)
+
+
+@reach_of.register(Lines)
+def _reach_of_lines(bodies, fleet, agent, lane):
+    """The paper's footprint holds the trailers; a truck may be longer than all of them."""
+    return max(fleet.radius[agent, FOOTPRINT, lane], fleet.length[agent, 0, lane])
+
+
+@kernel
+def boxes_overlap(one, other):
+    """Tell whether two boxes, as ``find_box`` returns them, have a point in common."""
+    left, right, low, high = one
+    other_left, other_right, other_low, other_high = other
+    apart = (right < other_left) | (other_right < left) | (high < other_low) | (other_high < low)
+    return not apart

@@ -1,0 +1,86 @@
+"""This module has the bodies of HAVs as rectangles, one for each unit, with width and overhangs."""
+
+import math
+
+from hav_env.compiled import kernel, rare_kernel
+from hav_env.maths.rectangles import nearest_on_rectangle, rectangle_gap
+from hav_env.world.bodies import bodies_meet, find_box, front_end, nearest_on_bodies, reach_of
+from hav_env.world.chain import ends_behind, front_axle
+from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Outlines
+
+
+@kernel
+def rectangle_of(bodies, world, agent, unit, lane, x, y):
+    """Return the body of a unit, given its front end [m], as ``hav_env.maths.rectangles`` takes it.
+
+    A unit beyond the HAV's last is a point, its front end, which is where the last axle is.
+    """
+    present = unit <= world.fleet.num_trailers[agent, lane]
+    length = world.fleet.length[agent, unit, lane] if present else 0.0
+    ahead = bodies.shape[agent, unit, FRONT, lane] if present else 0.0
+    behind = length + (bodies.shape[agent, unit, REAR, lane] if present else 0.0)
+    width = bodies.shape[agent, unit, HALF_WIDTH, lane] if present else 0.0
+    cosine, sine = world.state.cosine[agent, unit, lane], world.state.sine[agent, unit, lane]
+    middle, half = 0.5 * (ahead - behind), 0.5 * (ahead + behind)
+    return x + middle * cosine, y + middle * sine, cosine, sine, half, width
+
+
+@find_box.register(Outlines)
+def _box_of_rectangles(bodies, world, agent, lane):
+    front_x, front_y = front_axle(world, agent, lane)
+    left, right, low, high = math.inf, -math.inf, math.inf, -math.inf
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        x, y, cosine, sine, half, width = rectangle_of(
+            bodies, world, agent, unit, lane, front_x, front_y
+        )
+        across, up = abs(cosine) * half + abs(sine) * width, abs(sine) * half + abs(cosine) * width
+        left, right = min(left, x - across), max(right, x + across)
+        low, high = min(low, y - up), max(high, y + up)
+        _, _, front_x, front_y = ends_behind(world, agent, unit, lane, front_x, front_y)
+    return left, right, low, high
+
+
+@bodies_meet.register(Outlines)
+def _rectangles_meet(bodies, world, agent, other, lane):
+    return _any_rectangles_meet(bodies, world, agent, other, lane)
+
+
+@rare_kernel
+def _any_rectangles_meet(bodies, world, agent, other, lane):
+    x, y = front_axle(world, agent, lane)
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        own = rectangle_of(bodies, world, agent, unit, lane, x, y)
+        to_x, to_y = front_axle(world, other, lane)
+        for to in range(world.fleet.num_trailers[other, lane] + 1):
+            if rectangle_gap(own, rectangle_of(bodies, world, other, to, lane, to_x, to_y)) <= 0.0:
+                return True
+            _, _, to_x, to_y = ends_behind(world, other, to, lane, to_x, to_y)
+        _, _, x, y = ends_behind(world, agent, unit, lane, x, y)
+    return False
+
+
+@nearest_on_bodies.register(Outlines)
+def _nearest_on_rectangles(bodies, world, agent, lane, x, y):
+    front_x, front_y = front_axle(world, agent, lane)
+    least, nearest_x, nearest_y = math.inf, front_x, front_y
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        rectangle = rectangle_of(bodies, world, agent, unit, lane, front_x, front_y)
+        px, py = nearest_on_rectangle(rectangle, x, y)
+        squared = (px - x) * (px - x) + (py - y) * (py - y)
+        if squared < least:
+            least, nearest_x, nearest_y = squared, px, py
+        _, _, front_x, front_y = ends_behind(world, agent, unit, lane, front_x, front_y)
+    return nearest_x, nearest_y
+
+
+@front_end.register(Outlines)
+def _front_of_rectangle(bodies, world, agent, lane):
+    x, y = front_axle(world, agent, lane)
+    ahead = bodies.shape[agent, 0, FRONT, lane]
+    cosine, sine = world.state.cosine[agent, 0, lane], world.state.sine[agent, 0, lane]
+    return x + ahead * cosine, y + ahead * sine
+
+
+@reach_of.register(Outlines)
+def _reach_of_rectangles(bodies, fleet, agent, lane):
+    return bodies.reach[agent, lane]

@@ -1,0 +1,131 @@
+"""This module has what follows from where trailers are hitched: chains, limits, least radii.
+
+Each function is picked by the type of ``fleet.joints``, see ``hav_env.world.units.parts``. The
+lines of a HAV follow one another from front to rear. The truck's begins at its front axle, a
+trailer's at its hitch. A line ends at the axle of its unit, or at the unit's own hitch where that
+lies behind.
+"""
+
+from hav_env.compiled import generic, kernel
+from hav_env.maths.elementary import sincos
+from hav_env.world.units.parts import Hitches, OnAxles
+
+
+@generic
+def hitch_on_axles(joints, agent, lane, limit):
+    """Hitch all trailers of a HAV on the axles ahead, and give every joint the same limit [rad]."""
+
+
+@generic
+def hitch_offset(joints, agent, unit, lane):
+    """Return how far behind the axle of a unit its trailer is hitched [m]."""
+
+
+@generic
+def joint_limit(joints, usual, agent, joint, lane):
+    """Return the limit of an articulation [rad], given that of the HAV; joint 1 is the first."""
+
+
+@generic
+def unit_spans(joints, fleet, agent, unit, lane):
+    """Return two lengths from the front end of a unit backwards [m], 0 beyond the HAV's last one.
+
+    Returns:
+        How long its line is; how far behind the front end of the unit behind it is.
+    """
+
+
+@generic
+def least_squared_radius(joints, fleet, agent, lane):
+    """Return the square of R_min [m^2], the radius of the truck's front axle, eq. (rmin).
+
+    Off the axles it is that of the tightest circle on which no articulation goes beyond its limit.
+    """
+
+
+@kernel
+def squared_radius_for(length, offset, cosine_limit):
+    """Return the least squared radius of the circle of an axle for the trailer behind it [m^2].
+
+    The articulation on a circle of radius r is atan(c / r) + atan(l / sqrt(r^2 + c^2 - l^2)). It is
+    largest where the root is zero, 90 degrees + asin(c / l), which no limit beyond that meets.
+
+    Args:
+        length: l of the trailer [m].
+        offset: c, how far behind the axle it is hitched [m].
+        cosine_limit: of the limit of its articulation.
+    """
+    free = length * length - offset * offset
+    sides = offset * offset + length * length + 2.0 * offset * length * cosine_limit
+    limited = sides / (1.0 - cosine_limit * cosine_limit) - offset * offset
+    return limited if cosine_limit * length > -offset else free
+
+
+@hitch_on_axles.register(OnAxles)
+def _have_no_hitches(joints, agent, lane, limit):
+    pass
+
+
+@hitch_on_axles.register(Hitches)
+def _set_hitches(joints, agent, lane, limit):
+    for unit in range(joints.offset.shape[1]):
+        joints.offset[agent, unit, lane] = 0.0
+        joints.limit[agent, unit, lane] = limit
+
+
+@hitch_offset.register(OnAxles)
+def _no_offset(joints, agent, unit, lane):
+    return 0.0
+
+
+@hitch_offset.register(Hitches)
+def _offset_of(joints, agent, unit, lane):
+    return joints.offset[agent, unit, lane]
+
+
+@joint_limit.register(OnAxles)
+def _usual_limit(joints, usual, agent, joint, lane):
+    return usual
+
+
+@joint_limit.register(Hitches)
+def _limit_of(joints, usual, agent, joint, lane):
+    return joints.limit[agent, joint, lane]
+
+
+@unit_spans.register(OnAxles)
+def _span_to_axle(joints, fleet, agent, unit, lane):
+    present = unit <= fleet.num_trailers[agent, lane]
+    length = fleet.length[agent, unit, lane] if present else 0.0
+    return length, length
+
+
+@unit_spans.register(Hitches)
+def _span_to_hitch(joints, fleet, agent, unit, lane):
+    present = unit <= fleet.num_trailers[agent, lane]
+    length = fleet.length[agent, unit, lane] if present else 0.0
+    offset = joints.offset[agent, unit, lane] if present else 0.0
+    return length + max(offset, 0.0), length + offset
+
+
+@least_squared_radius.register(OnAxles)
+def _sum_of_squares(joints, fleet, agent, lane):
+    truck = fleet.length[agent, 0, lane]
+    squares = truck * truck
+    for unit in range(1, fleet.num_trailers[agent, lane] + 1):
+        length = fleet.length[agent, unit, lane]
+        squares += length * length
+    return squares
+
+
+@least_squared_radius.register(Hitches)
+def _largest_sum_of_squares(joints, fleet, agent, lane):
+    truck = fleet.length[agent, 0, lane]
+    squares = truck * truck  # that of the truck's front axle for a last axle on the centre
+    most = squares
+    for unit in range(1, fleet.num_trailers[agent, lane] + 1):
+        length, offset = fleet.length[agent, unit, lane], joints.offset[agent, unit - 1, lane]
+        _, cosine_limit = sincos(joints.limit[agent, unit, lane])
+        most = max(most, squares + squared_radius_for(length, offset, cosine_limit))
+        squares += length * length - offset * offset
+    return most

@@ -1,0 +1,67 @@
+"""This module sets the bodies of units: rectangles as long as the units, with width and overhangs.
+
+Each function is picked by the type of ``fleet.bodies``, see ``hav_env.world.units.parts``.
+"""
+
+import math
+
+from hav_env.compiled import generic, kernel
+from hav_env.world.units.joints import hitch_offset
+from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Lines, Outlines
+
+
+@generic
+def shape_as_usual(bodies, agent, lane):
+    """Give all units of a HAV the bodies that the model states, before a fleet gives others."""
+
+
+@generic
+def find_reach(bodies, fleet, agent, lane):
+    """Find the radius [m] round the truck's rear axle that holds a HAV, whatever its posture."""
+
+
+@shape_as_usual.register(Lines)
+def _have_no_shape(bodies, agent, lane):
+    pass
+
+
+@shape_as_usual.register(Outlines)
+def _set_shape(bodies, agent, lane):
+    usual = bodies.usual
+    for unit in range(bodies.shape.shape[1]):
+        bodies.shape[agent, unit, HALF_WIDTH, lane] = 0.5 * usual.width
+        bodies.shape[agent, unit, FRONT, lane] = usual.front
+        bodies.shape[agent, unit, REAR, lane] = usual.rear
+
+
+@find_reach.register(Lines)
+def _keep_no_reach(bodies, fleet, agent, lane):
+    pass
+
+
+@find_reach.register(Outlines)
+def _measure_reach(bodies, fleet, agent, lane):
+    """Add up how far each hitch can be, and take the farthest corner from there.
+
+    The truck's front end is its wheelbase ahead of its rear axle, where all distances begin.
+    """
+    shape, most, hitch = bodies.shape, 0.0, 0.0
+    for unit in range(fleet.num_trailers[agent, lane] + 1):
+        length = fleet.length[agent, unit, lane]
+        ahead, behind = shape[agent, unit, FRONT, lane], shape[agent, unit, REAR, lane]
+        if unit == 0:
+            ahead += length
+            hitch = abs(hitch_offset(fleet.joints, agent, 0, lane))
+            along = max(ahead, behind)
+            most = _diagonal(along, shape[agent, 0, HALF_WIDTH, lane])
+        else:
+            along = max(ahead, length + behind)
+            corner = _diagonal(along, shape[agent, unit, HALF_WIDTH, lane])
+            most = max(most, hitch + corner)
+            hitch += abs(length + hitch_offset(fleet.joints, agent, unit, lane))
+    bodies.reach[agent, lane] = most
+
+
+@kernel
+def _diagonal(along, across):
+    return math.sqrt(along * along + across * across)
