@@ -1,10 +1,11 @@
-"""This package has the kinematics of trucks and trailers: one file for each model."""
+"""This package has the kinematics of trucks and trailers, and a catalogue of real vehicles."""
 
 from typing import Any
 
 from hav_env.compiled import generic
 from hav_env.models.checks import check_model
 from hav_env.models.names import Registry
+from hav_env.vehicles.combinations import COMBINATIONS, Combination, Unit, catalogue
 from hav_env.vehicles.on_axle import OnAxle, move_on_axle
 from hav_env.world.arrays import World
 
@@ -39,4 +40,13 @@ VEHICLES = Registry(
     {"on_axle": OnAxle},
 )
 
-__all__ = ["VEHICLES", "OnAxle", "check_vehicle", "move"]
+__all__ = [
+    "COMBINATIONS",
+    "VEHICLES",
+    "Combination",
+    "OnAxle",
+    "Unit",
+    "catalogue",
+    "check_vehicle",
+    "move",
+]
