@@ -1,4 +1,4 @@
-"""This package has the kinematics of trucks and trailers: one file for each model."""
+"""This package has the kinematics of trucks and trailers, and a catalogue of real vehicles."""
 
 import functools
 from typing import Any
@@ -7,6 +7,7 @@ from hav_env.compiled import generic
 from hav_env.models.checks import check_model, check_value
 from hav_env.models.names import Registry
 from hav_env.vehicles.bodies import Bodies, Lines, Rectangles
+from hav_env.vehicles.combinations import COMBINATIONS, Combination, Unit, catalogue
 from hav_env.vehicles.off_axle import OffAxle, move_off_axle
 from hav_env.vehicles.on_axle import OnAxle, move_on_axle
 from hav_env.world.arrays import World
@@ -57,12 +58,16 @@ VEHICLES = Registry(
 )
 
 __all__ = [
+    "COMBINATIONS",
     "VEHICLES",
+    "Combination",
     "Lines",
     "OffAxle",
     "OnAxle",
     "Rectangles",
+    "Unit",
     "bodies_of",
+    "catalogue",
     "check_vehicle",
     "move",
     "needs_hitches",

@@ -1,0 +1,43 @@
+"""This package has the catalogue of real vehicles: one file for each family of them.
+
+A vehicle is a ``Combination`` of numbers. Each number stands beside its source, or beside the
+reason for which it is assumed. A package of your own adds vehicles by entry points in the group
+``hav_env.combinations``.
+"""
+
+from hav_env.models.names import Registry
+from hav_env.vehicles.combinations import australia, europe, north_america, yards
+from hav_env.vehicles.combinations.combination import Combination, Origin, Unit
+
+_BUILT_IN = (
+    *(europe.SEMI_TRAILER, europe.LONG_SEMI_TRAILER, europe.TRUCK_AND_TRAILER),
+    *(europe.EUROCOMBI, europe.A_DOUBLE),
+    *(north_america.WB_67, north_america.WB_67D, north_america.WB_100T, north_america.WB_109D),
+    *(australia.B_DOUBLE, australia.A_TRIPLE),
+    *(yards.TERMINAL_TRACTOR, yards.BAGGAGE_TRAIN, yards.TUGGER_TRAIN, yards.FARM_TRAIN),
+)
+
+COMBINATIONS = Registry(
+    "combination",
+    "hav_env.combinations",
+    lambda model_class: model_class is Combination,
+    "it must be a hav_env.vehicles.Combination",
+    {combination.name: combination for combination in _BUILT_IN},
+)
+
+
+def catalogue(name: str) -> Combination:
+    """Return a real vehicle.
+
+    Args:
+        name: such as ``"wb-67"``; ``COMBINATIONS.names()`` has all. ``module:NAME`` is a vehicle of
+            your own.
+
+    Raises:
+        TypeError: when the name is no text.
+        ValueError: when there is no such vehicle; the message lists the names.
+    """
+    return COMBINATIONS.find(name)
+
+
+__all__ = ["COMBINATIONS", "Combination", "Origin", "Unit", "catalogue"]

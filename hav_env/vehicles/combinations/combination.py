@@ -1,0 +1,106 @@
+"""This module has the form of a vehicle of the catalogue: units, limits, origins of all numbers."""
+
+from typing import NamedTuple
+
+from hav_env.models.quantities import (
+    AboveZero,
+    Articulation,
+    Distance,
+    Length,
+    Offset,
+    Speed,
+    Steering,
+)
+
+
+class Unit(NamedTuple):
+    """One stiff part of a vehicle: the truck, a semi-trailer, a dolly, a drawbar, a body."""
+
+    length: Length
+    """Wheelbase of the truck; of a trailer, from its hitch to the middle of its axles [m]."""
+    hitch: Offset
+    """How far behind the axle of the unit ahead this unit is hitched [m]. Above 0 it is a drawbar,
+    below 0 a fifth wheel ahead of the axle, 0 the paper's hitch. The truck's is 0."""
+    half_width: Distance
+    """Half the width of the body, a rectangle [m]."""
+    front: Distance
+    """How far the body reaches ahead of the truck's front axle, or of the trailer's hitch [m]. The
+    body of a drawbar or a dolly begins at its hitch: 0."""
+    rear: Distance
+    """How far the body reaches behind its axle [m]."""
+    articulation_max: Articulation
+    """Greatest angle to the unit ahead [rad]; the truck's is the greatest of its trailers'."""
+
+
+class Origin(NamedTuple):
+    """Where a number is from."""
+
+    field: str
+    """Name of the number, such as ``units[1].length`` or ``speed_max``."""
+    source: str
+    """Source of the number, or the reason for an assumption."""
+    assumed: bool
+    """True where no source was seen."""
+
+
+class Combination(NamedTuple):
+    """A real vehicle: a truck and all that it pulls."""
+
+    name: str
+    """Name in the catalogue."""
+    title: str
+    """Name for readers."""
+    units: tuple[Unit, ...]
+    """Units from front to rear, the truck first: 2 to 11."""
+    speed_max: Speed
+    """Working speed [m/s]. Trucks are faster on roads. Wheels that roll without slip are a model of
+    them up to some 5 m/s."""
+    steering_max: Steering
+    """Greatest steering angle of a wheel in the middle of the front axle [rad]."""
+    steering_rate: AboveZero
+    """Greatest change of the steering angle [rad/s]."""
+    acceleration: AboveZero
+    """Greatest acceleration [m/s^2]."""
+    braking: AboveZero
+    """Greatest deceleration [m/s^2]."""
+    lateral: AboveZero
+    """Greatest sideways acceleration of the truck [m/s^2]."""
+    origins: tuple[Origin, ...]
+    """Origin of each number, in the order of the fields."""
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Lengths of all units [m]."""
+        return tuple(unit.length for unit in self.units)
+
+    @property
+    def offsets(self) -> tuple[float, ...]:
+        """Hitch offsets of all units [m]."""
+        return tuple(unit.hitch for unit in self.units)
+
+    @property
+    def limits(self) -> tuple[float, ...]:
+        """Greatest articulations of all units [rad]."""
+        return tuple(unit.articulation_max for unit in self.units)
+
+    @property
+    def bodies(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+        """Half widths, fronts and rears of all units [m]."""
+        half_widths, fronts, rears = zip(*(unit[2:5] for unit in self.units), strict=True)
+        return half_widths, fronts, rears
+
+    @property
+    def overall_length(self) -> float:
+        """Length of the straight vehicle, from its foremost to its rearmost point [m]."""
+        ahead, behind, axle = [], [], 0.0
+        for place, unit in enumerate(self.units):
+            front_end = axle - unit.hitch if place else unit.length
+            axle = front_end - unit.length
+            ahead.append(front_end + unit.front)
+            behind.append(axle - unit.rear)
+        return max(ahead) - min(behind)
+
+    @property
+    def assumed(self) -> frozenset[str]:
+        """Names of the numbers that have no source."""
+        return frozenset(origin.field for origin in self.origins if origin.assumed)

@@ -1,0 +1,90 @@
+"""This module writes down vehicles of the catalogue: no number without its source or a reason."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from hav_env.models.checks import check_fields
+from hav_env.vehicles.combinations.combination import Combination, Origin, Unit
+from hav_env.vehicles.steady_circles import check_damped
+
+
+class Quantity(NamedTuple):
+    """A number with its source, or with the reason for which it is assumed."""
+
+    value: float
+    source: str
+    assumed: bool
+
+
+class Truck(NamedTuple):
+    """The numbers of a truck; see ``Unit``."""
+
+    length: Quantity
+    half_width: Quantity
+    front: Quantity
+    rear: Quantity
+
+
+class Trailer(NamedTuple):
+    """The numbers of a trailer; see ``Unit``."""
+
+    length: Quantity
+    hitch: Quantity
+    half_width: Quantity
+    front: Quantity
+    rear: Quantity
+    articulation_max: Quantity
+
+
+def cited(source: str) -> Callable[..., Quantity]:
+    """Return a function that writes down numbers from a source that was seen.
+
+    It takes the number and, where the number does not stand there, how it follows from what does.
+    """
+
+    def write(value: float, derived: str = "") -> Quantity:
+        return Quantity(value, f"{source}: {derived}" if derived else source, False)
+
+    return write
+
+
+def assumed(value: float, reason: str) -> Quantity:
+    """Write down a number without a source, and why it is plausible."""
+    return Quantity(value, reason, True)
+
+
+def combine(
+    name: str, title: str, truck: Truck, trailers: tuple[Trailer, ...], **limits: Quantity
+) -> Combination:
+    """Return a vehicle, with the origins of its numbers.
+
+    Args:
+        name: in the catalogue.
+        title: for readers.
+        truck: its numbers.
+        trailers: theirs, from front to rear.
+        limits: those of ``Combination``, from ``speed_max`` on.
+
+    Raises:
+        ValueError: when a number is out of its range, or a hitch amplifies swings.
+    """
+    widest = max(trailer.articulation_max.value for trailer in trailers)
+    values = {field: found.value for field, found in truck._asdict().items()}
+    units = [Unit(**values, hitch=0.0, articulation_max=widest)]
+    units += [Unit(*(found.value for found in trailer)) for trailer in trailers]
+    known: list[Truck | Trailer] = [truck, *trailers]
+    quantities = {
+        f"units[{place}].{field}": found
+        for place, numbers in enumerate(known)
+        for field, found in numbers._asdict().items()
+    } | limits
+    origins = tuple(
+        Origin(field, found.source, found.assumed) for field, found in quantities.items()
+    )
+    most: dict[str, Any] = {field: found.value for field, found in limits.items()}
+    combination = Combination(name, title, tuple(units), origins=origins, **most)
+    for place, unit in enumerate(units):
+        check_fields(f"{name} units[{place}]", unit)
+    check_fields(name, combination)
+    check_damped(combination.lengths, combination.offsets)
+    return combination
