@@ -115,7 +115,7 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
         TypeError: when Numba cannot compile a model's code, naming file and line.
     """
     plain = [part for arg in args for part in (arg.arguments if isinstance(arg, Held) else (arg,))]
-    kinds = (id(loop), *map(type, plain))
+    kinds = (id(loop), *map(_kind_of, plain))
     if kinds in _ready or not hasattr(loop, "compile"):
         return
     signature = _signature(args)
@@ -130,6 +130,13 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
         except Exception as error:  # Numba fails inside, as on a NamedTuple's defaults
             raise TypeError(explain(loop.py_func.__name__, error)) from error
         _ready.add(kinds)
+
+
+def _kind_of(value: Any) -> Any:
+    """Return the type of an argument, and those of the tuples in it."""
+    if not isinstance(value, tuple):
+        return type(value)
+    return type(value), *(_kind_of(part) for part in value if isinstance(part, tuple))
 
 
 def _announce(function: Callable, args: list) -> None:

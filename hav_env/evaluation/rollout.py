@@ -190,7 +190,7 @@ def _roll(policy, batch: Batch, order: np.ndarray, queue: np.ndarray, lanes: int
     The stage is the thread's own: threads that write side by side would wait for each other.
     """
     num_havs = batch.scenario.num_havs
-    stage = worlds_for(batch.scenario, batch.task, lanes)
+    stage = worlds_for(batch.scenario, batch.task, batch.vehicle, lanes)
     # so that nobody moves in lanes that are idle
     stage.state.waiting[:], stage.state.goal[:, PHASE] = True, batch.scenario.num_goals - 1
     rollout_worlds(

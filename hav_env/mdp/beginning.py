@@ -44,7 +44,7 @@ def allocate_stage(
     layout = outcome_layout(size, controlled, columns, numbers)
     return Stage(
         lanes,
-        worlds_for(batch.scenario, batch.task, size),
+        worlds_for(batch.scenario, batch.task, batch.vehicle, size),
         allocate_buffers(size, *sizes, threads),
         Outcome(*(np.zeros(shape, kind) for shape, kind in layout)),
     )

@@ -15,7 +15,7 @@ from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.transition import ended, remove_arrived, step
 from hav_env.simulator.trial import try_scenario, try_vehicle
-from hav_env.vehicles import OnAxle, check_vehicle
+from hav_env.vehicles import OnAxle, check_vehicle, is_instant
 from hav_env.world.arrays import EPISODE, SEED, World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
 from hav_env.world.task import Task, check_at_once, check_task
@@ -90,7 +90,7 @@ class Batch:
         self.bytes_per_world = world_size(*_shape(self.scenario, self.task))
         check_memory("num_havs", self.scenario.num_havs, self.bytes_per_world)
         check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
-        self.worlds: World = worlds_for(self.scenario, self.task, self.num_worlds)
+        self.worlds: World = worlds_for(self.scenario, self.task, self.vehicle, self.num_worlds)
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
         """Begin an episode in every world.
@@ -162,9 +162,10 @@ class Batch:
         return ended(self.task, self.worlds, slice(None))
 
 
-def worlds_for(scenario: Any, task: Task, num_worlds: int) -> World:
+def worlds_for(scenario: Any, task: Task, vehicle: Any, num_worlds: int) -> World:
     """Return the arrays of worlds in which episodes of a scenario may begin."""
-    return allocate_worlds(num_worlds, *_shape(scenario, task))
+    rolls = not is_instant(vehicle)
+    return allocate_worlds(num_worlds, *_shape(scenario, task), rolls=rolls)
 
 
 def _shape(scenario: Any, task: Task) -> tuple[int, int, int, bool]:

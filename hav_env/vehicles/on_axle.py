@@ -1,11 +1,12 @@
 """This module has the paper's kinematics: an Ackermann truck and on-axle hitched trailers."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import into_frame
 from hav_env.models.quantities import Substeps
+from hav_env.vehicles.actuators import Instant
 from hav_env.world.arrays import AHEAD_COSINE, AHEAD_SINE, AHEAD_SPEED, turn_unit
 
 
@@ -22,6 +23,8 @@ class OnAxle(NamedTuple):
     """Euler steps within one step of the simulation; the paper's is one."""
     simultaneous: bool = False
     """Take all derivatives at the beginning of an Euler step instead of in order."""
+    actuators: Any = Instant()
+    """How speed and steering follow commands: ``Instant()`` or ``Limited(...)``."""
 
 
 @kernel

@@ -34,7 +34,7 @@ class State(NamedTuple):
     steering: Array  # (N, W) phi of the truck [rad], in the step done
     ahead: Array  # (3, W) scratch: of the unit ahead while the units of a HAV move one by one
     goal: Array  # (N, 7, W) the goal under way, columns X .. PHASE
-    waiting: Array  # (N, W) bool: at its goal, maximum speed zero until it gets the next one
+    waiting: Array  # (N, W) bool: at its goal until it gets the next one: it stands, or brakes
     clock: Array  # (3, W) columns STEP .. EPISODE
 
 
@@ -117,6 +117,7 @@ class World(NamedTuple):
     first: int  # which world of the batch lane 0 is
     lanes: int  # how many worlds there are from lane 0 on
     units: int  # to how many units of a HAV loops reach
+    rolls: bool  # HAVs that wait may roll on until they have come to rest
 
 
 def allocate_worlds(
@@ -125,6 +126,7 @@ def allocate_worlds(
     num_units: int,
     num_goals: int,
     continuous: bool = False,
+    rolls: bool = False,
     zeros: Callable[..., np.ndarray] = np.zeros,
 ) -> World:
     """Return the arrays of a batch; a scenario fills them.
@@ -138,6 +140,7 @@ def allocate_worlds(
         num_units: U.
         num_goals: G.
         continuous: whether collisions between steps are looked for.
+        rolls: whether HAVs that wait may roll on until they have come to rest.
         zeros: makes each array from its shape and kind of numbers.
     """
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
@@ -172,6 +175,7 @@ def allocate_worlds(
         0,
         num_worlds,
         num_units,
+        rolls,
     )
 
 
@@ -181,7 +185,7 @@ def world_size(num_havs: int, num_units: int, num_goals: int, continuous: bool =
     def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
         return np.broadcast_to(kind(0), shape)
 
-    worlds = allocate_worlds(1, num_havs, num_units, num_goals, continuous, unbacked)
+    worlds = allocate_worlds(1, num_havs, num_units, num_goals, continuous, zeros=unbacked)
     parts = (*worlds.state, *worlds.fleet, worlds.goals, *worlds.nearby, *worlds.record)
     return sum(part.nbytes for part in parts)
 
