@@ -39,7 +39,7 @@ from hav_env.scenarios import (
 )
 from hav_env.scenarios.presets import find_scenario
 from hav_env.simulator.batch import Batch
-from hav_env.vehicles import Lines, OffAxle, OnAxle, Rectangles, move
+from hav_env.vehicles import Instant, Limited, Lines, OffAxle, OnAxle, Rectangles, move
 from hav_env.world import sensing
 from hav_env.world.task import Task
 
@@ -56,6 +56,8 @@ __all__ = [
     "Crossing",
     "Explicit",
     "HAVVecEnv",
+    "Instant",
+    "Limited",
     "Lines",
     "Observation",
     "OffAxle",

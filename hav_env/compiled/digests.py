@@ -40,7 +40,7 @@ class Code(NamedTuple):
     digest: str
     """SHA-256 of all of it, in hexadecimal."""
     models: tuple[str, ...]
-    """Names of the classes of models that choose implementations of generic kernels."""
+    """Names of the given classes of models that choose implementations of generic kernels."""
     size: int
     """Number of bytes of bytecode, by which the time to compile it is estimated."""
 
@@ -88,7 +88,7 @@ class _Walk:
     """A way through functions; every one of them is visited once."""
 
     def __init__(self, models: set[type]) -> None:
-        self.models, self.chosen = models, set[str]()
+        self.models, self.given, self.chosen = models, frozenset(models), set[str]()
         self.facts: set[str] = set()
         self.size = 0
         self._packages = {_PROJECT, *map(_package_of, models)}
@@ -121,7 +121,7 @@ class _Walk:
                 continue
             found = [model for model in sorted(self.models, key=name_of) if model in table]
             for model in found:
-                if not model.__module__.startswith(_PARTS):
+                if model in self.given and not model.__module__.startswith(_PARTS):
                     self.chosen.add(model.__name__)
                 self.facts.add(f"{generic.__qualname__} of {name_of(model)}")
                 self._note(table[model])

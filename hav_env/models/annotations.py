@@ -62,8 +62,9 @@ def split_range(kind: Any) -> tuple[Any, Range | None]:
 
 
 def is_model(value: Any) -> bool:
-    """Tell whether a value is a NamedTuple or a dataclass."""
-    return hasattr(value, "_asdict") or dataclasses.is_dataclass(type(value))
+    """Tell whether a value is a NamedTuple or a dataclass; a class is none."""
+    named = hasattr(value, "_asdict") and not isinstance(value, type)
+    return named or dataclasses.is_dataclass(type(value))
 
 
 def values_of(model: Any) -> dict[str, Any]:

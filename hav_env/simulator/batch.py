@@ -15,7 +15,7 @@ from hav_env.scenarios import PlacementError, check_scenario
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.transition import ended, remove_arrived, step
 from hav_env.simulator.trial import try_scenario, try_vehicle
-from hav_env.vehicles import OnAxle, bodies_of, check_vehicle, needs_hitches
+from hav_env.vehicles import OnAxle, bodies_of, check_vehicle, is_instant, needs_hitches
 from hav_env.world.arrays import EPISODE, SEED, World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
 from hav_env.world.task import Task, check_at_once, check_task
@@ -169,8 +169,9 @@ def worlds_for(scenario: Any, task: Task, vehicle: Any, num_worlds: int) -> Worl
     return allocate_worlds(num_worlds, *_shape(scenario, task, vehicle))
 
 
-def _shape(scenario: Any, task: Task, vehicle: Any) -> tuple[int, int, int, bool, bool, Any]:
-    units, parts = scenario.max_trailers + 1, (needs_hitches(vehicle), bodies_of(vehicle))
+def _shape(scenario: Any, task: Task, vehicle: Any) -> tuple:
+    units = scenario.max_trailers + 1
+    parts = not is_instant(vehicle), needs_hitches(vehicle), bodies_of(vehicle)
     return scenario.num_havs, units, scenario.num_goals, task.continuous_collisions, *parts
 
 

@@ -4,15 +4,12 @@ It is the whole transition of the decision process: motion, events, goals, time.
 """
 
 from hav_env.compiled import fixed, kernel, rare_kernel
-from hav_env.maths.geometry import clip
-from hav_env.vehicles import move
+from hav_env.vehicles import acting_block, actuate, actuators_of, move
 from hav_env.world.arrays import (
     ACTUAL,
     JACKKNIFE,
     PHASE,
     REMOVED,
-    SPEED,
-    STEERING,
     STEP,
     WHEN,
     goal_under_way,
@@ -21,7 +18,7 @@ from hav_env.world.arrays import (
 from hav_env.world.continuous_collision import note_axles
 from hav_env.world.events import record_collisions, record_motion
 from hav_env.world.goals import assign_goal, record_approach
-from hav_env.world.lanes import block_of, moving_block
+from hav_env.world.lanes import block_of
 from hav_env.world.neighborhood import find_nearby
 from hav_env.world.task import ALONE, END, REMOVE
 
@@ -37,8 +34,8 @@ def step(task, vehicle, world, speed, steering):
         task: the rules.
         vehicle: the kinematics.
         world: the block.
-        speed: (N, W) [m/s], cut to the limit of each HAV. A HAV that waits at its goal stands,
-            whatever its speed.
+        speed: (N, W) [m/s], cut to the limit of each HAV. A HAV that waits at its goal stands, or
+            brakes, whatever its speed.
         steering: (N, W) [rad], cut as well.
 
     Returns:
@@ -60,8 +57,9 @@ def move_hav(task, vehicle, world, agent, speed, steering):
     Returns:
         In how many lanes it may have jackknifed, and in how many it hit its goal.
     """
-    _command(world, agent, speed, steering)
-    moving = moving_block(world, agent)
+    actuators = actuators_of(vehicle)
+    actuate(actuators, task.dt, world, agent, speed, steering)
+    moving = acting_block(actuators, world, agent)
     move(vehicle, task.dt, moving, agent)
     events = record_motion(task, moving, agent)
     hits = record_approach(task, moving, agent)
@@ -103,17 +101,6 @@ def count_step(task, world):
     return late_worlds
 
 
-@kernel
-def _command(world, agent, speed, steering):
-    """Cut speed and steering to the limits of a HAV; one that waits stands."""
-    state, limit = world.state, world.fleet.limit
-    for lane in range(world.lanes):
-        v = clip(speed[agent, lane], 0.0, limit[agent, SPEED, lane])
-        steepest = limit[agent, STEERING, lane]
-        state.speed[agent, lane] = 0.0 if state.waiting[agent, lane] else v
-        state.steering[agent, lane] = clip(steering[agent, lane], -steepest, steepest)
-
-
 @rare_kernel
 def _assign_next_goals(task, world):
     """Give HAVs that wait their next goal: all at a time, once all wait, or each by itself."""
@@ -146,6 +133,7 @@ def _remove_arrived(task, world):
         for agent in range(world.state.x.shape[0]):
             if arrived(world, agent, lane) and not is_removed(world, agent, lane):
                 world.record.total[agent, REMOVED, lane] = 1.0
+                world.state.speed[agent, lane] = 0.0  # it may have rolled
                 world.state.x[agent, lane] = _REMOVED_X + _REMOVED_SPACING * agent
                 if task.continuous_collisions:
                     note_axles(block_of(world, lane, 1, world.units), agent)

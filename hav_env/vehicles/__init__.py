@@ -6,6 +6,16 @@ from typing import Any
 from hav_env.compiled import generic
 from hav_env.models.checks import check_model, check_value
 from hav_env.models.names import Registry
+from hav_env.vehicles.actuators import (
+    Instant,
+    Limited,
+    acting_block,
+    actuate,
+    actuators_in_field,
+    actuators_of,
+    check_actuators,
+    is_instant,
+)
 from hav_env.vehicles.bodies import Bodies, Lines, Rectangles
 from hav_env.vehicles.combinations import COMBINATIONS, Combination, Unit, catalogue
 from hav_env.vehicles.off_axle import OffAxle, move_off_axle
@@ -18,8 +28,9 @@ def move(vehicle: Any, dt: float, world: World, agent: int) -> None:
     """Move one HAV in every lane of a block of worlds, for ``dt`` [s].
 
     Reads the truck's speed ``state.speed[agent]`` [m/s] and ``state.steering[agent]`` [rad], which
-    are within the HAV's limits, speed zero for one that waits. Writes the pose, and the headings
-    with their cosines and sines. Units beyond a HAV's last have infinite length: they do not turn.
+    are within the HAV's limits: what its actuators made of its command. Writes the pose, and the
+    headings with their cosines and sines. Units beyond a HAV's last have infinite length: they do
+    not turn.
     """
 
 
@@ -31,6 +42,7 @@ def check_vehicle(vehicle: Any) -> None:
         TypeError: when this is no vehicle, or a field has a value of another kind.
     """
     check_model("vehicle", vehicle, move)
+    check_actuators(vehicle)
     check_value("vehicle bodies", Bodies, bodies_of(vehicle))
 
 
@@ -48,27 +60,40 @@ def bodies_of(vehicle: Any) -> Any:
 needs_hitches.register(OffAxle, lambda vehicle: True)
 move.register(OnAxle)(move_on_axle)
 move.register(OffAxle)(move_off_axle)
+for _vehicle in (OnAxle, OffAxle):
+    actuators_of.register(_vehicle)(actuators_in_field)
 
 VEHICLES = Registry(
     "vehicle",
     "hav_env.vehicles",
     move.table.__contains__,
     "register it with move.register",
-    {"on_axle": OnAxle, "off_axle": OffAxle},
+    {
+        "on_axle": OnAxle,
+        "limited": OnAxle(actuators=Limited()),
+        "off_axle": OffAxle,
+        "realistic": OffAxle(bodies=Rectangles(), actuators=Limited()),
+    },
 )
 
 __all__ = [
     "COMBINATIONS",
     "VEHICLES",
     "Combination",
+    "Instant",
+    "Limited",
     "Lines",
     "OffAxle",
     "OnAxle",
     "Rectangles",
     "Unit",
+    "acting_block",
+    "actuate",
+    "actuators_of",
     "bodies_of",
     "catalogue",
     "check_vehicle",
+    "is_instant",
     "move",
     "needs_hitches",
 ]

@@ -4,11 +4,12 @@ It is the general n-trailer: C. Altafini, "Some properties of the general n-trai
 Journal of Control 74(4), 2001.
 """
 
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from hav_env.compiled import kernel
 from hav_env.maths.geometry import into_frame
 from hav_env.models.quantities import Substeps
+from hav_env.vehicles.actuators import Instant
 from hav_env.vehicles.bodies import Bodies, Lines
 from hav_env.vehicles.on_axle import truck_yaw_rate
 from hav_env.world.arrays import turn_unit
@@ -31,6 +32,8 @@ class OffAxle(NamedTuple):
     with all hitches on the axles it gives the same bits."""
     bodies: Bodies = Lines()
     """``Lines()`` or ``Rectangles(...)``."""
+    actuators: Any = Instant()
+    """How speed and steering follow commands: ``Instant()`` or ``Limited(...)``."""
 
 
 @kernel

@@ -1,11 +1,12 @@
 """This module has the paper's kinematics: an Ackermann truck and on-axle hitched trailers."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import into_frame
 from hav_env.models.quantities import Substeps
+from hav_env.vehicles.actuators import Instant
 from hav_env.vehicles.bodies import Bodies, Lines
 from hav_env.world.arrays import AHEAD_COSINE, AHEAD_SINE, AHEAD_SPEED, turn_unit
 
@@ -25,6 +26,8 @@ class OnAxle(NamedTuple):
     """Take all derivatives at the beginning of an Euler step instead of in order."""
     bodies: Bodies = Lines()
     """``Lines()`` or ``Rectangles(...)``."""
+    actuators: Any = Instant()
+    """How speed and steering follow commands: ``Instant()`` or ``Limited(...)``."""
 
 
 @kernel

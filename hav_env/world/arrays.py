@@ -35,7 +35,7 @@ class State(NamedTuple):
     steering: Array  # (N, W) phi of the truck [rad], in the step done
     ahead: Array  # (3, W) scratch: of the unit ahead while the units of a HAV move one by one
     goal: Array  # (N, 7, W) the goal under way, columns X .. PHASE
-    waiting: Array  # (N, W) bool: at its goal, maximum speed zero until it gets the next one
+    waiting: Array  # (N, W) bool: at its goal until it gets the next one: it stands, or brakes
     clock: Array  # (3, W) columns STEP .. EPISODE
 
 
@@ -120,6 +120,7 @@ class World(NamedTuple):
     first: int  # which world of the batch lane 0 is
     lanes: int  # how many worlds there are from lane 0 on
     units: int  # to how many units of a HAV loops reach
+    rolls: bool  # HAVs that wait may roll on until they have come to rest
 
 
 def allocate_worlds(
@@ -128,6 +129,7 @@ def allocate_worlds(
     num_units: int,
     num_goals: int,
     continuous: bool = False,
+    rolls: bool = False,
     hitched: bool = False,
     bodies: Any = Lines(),  # a NamedTuple is immutable
     zeros: Callable[..., np.ndarray] = np.zeros,
@@ -143,6 +145,7 @@ def allocate_worlds(
         num_units: U.
         num_goals: G.
         continuous: whether collisions between steps are looked for.
+        rolls: whether HAVs that wait may roll on until they have come to rest.
         hitched: whether hitches may lie off the axles.
         bodies: the model of the bodies.
         zeros: makes each array from its shape and kind of numbers.
@@ -184,6 +187,7 @@ def allocate_worlds(
         0,
         num_worlds,
         num_units,
+        rolls,
     )
 
 
@@ -192,6 +196,7 @@ def world_size(
     num_units: int,
     num_goals: int,
     continuous: bool = False,
+    rolls: bool = False,
     hitched: bool = False,
     bodies: Any = Lines(),
 ) -> int:
@@ -200,7 +205,7 @@ def world_size(
     def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
         return np.broadcast_to(kind(0), shape)
 
-    shape = num_havs, num_units, num_goals, continuous, hitched, bodies
+    shape = num_havs, num_units, num_goals, continuous, rolls, hitched, bodies
     return sum(array.nbytes for array in arrays_in(allocate_worlds(1, *shape, unbacked)))
 
 

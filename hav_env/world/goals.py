@@ -106,9 +106,10 @@ def _look_closely(task, world, agent):
         near, aligned = distance < task.distance_tolerance, turn < task.heading_tolerance
         recorded = records(task, state.clock[STEP, lane])
         if near and aligned:
-            hits += 1
-            state.waiting[agent, lane] = True
-            _record_hit(world, agent, lane, distance, turn)
+            if state.speed[agent, lane] <= task.goal_speed:
+                hits += 1
+                state.waiting[agent, lane] = True
+                _record_hit(world, agent, lane, distance, turn)
         elif recorded and near and turn < 2.0 * task.heading_tolerance:
             _record_miss(world, agent, lane, HEADING_MISS, distance, turn)
         elif recorded and aligned:

@@ -60,6 +60,7 @@ def block_of(worlds, first, lanes, units):
         worlds.first + first,
         lanes,
         units,
+        worlds.rolls,
     )
 
 
@@ -69,11 +70,29 @@ def moving_block(world, agent):
 
     It may wait in some lanes between, and at the ends, which are at whole vectors where possible.
     """
-    first, end, longest = 0, world.lanes, 0
+    first, end = 0, world.lanes
     while first < end and world.state.waiting[agent, first]:
         first += 1
     while first < end and world.state.waiting[agent, end - 1]:
         end -= 1
+    return _block_between(world, agent, first, end)
+
+
+@kernel
+def rolling_block(world, agent):
+    """Return the lanes in which a HAV does not wait, or waits and still rolls: see above."""
+    first, end, state = 0, world.lanes, world.state
+    while first < end and state.waiting[agent, first] and state.speed[agent, first] == 0.0:
+        first += 1
+    while first < end and state.waiting[agent, end - 1] and state.speed[agent, end - 1] == 0.0:
+        end -= 1
+    return _block_between(world, agent, first, end)
+
+
+@kernel
+def _block_between(world, agent, first, end):
+    """Return the lanes from one to before another as a block, at whole vectors where possible."""
+    longest = 0
     first = first // VECTOR * VECTOR
     end = min((end + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
     for lane in range(first, end):
@@ -177,4 +196,5 @@ def view_of(worlds: World, w: int) -> World:
         w,
         1,
         worlds.units,
+        worlds.rolls,
     )

@@ -82,6 +82,24 @@ def steering_direction(world: World, agent: int, lane: int) -> tuple[float, floa
 
 
 @kernel
+def own_speed(world: World, agent: int, lane: int) -> float:
+    """Return the speed in the last step [m/s]; a HAV that waits has none, unless it brakes."""
+    stands = world.state.waiting[agent, lane] & (not world.rolls)
+    return 0.0 if stands else world.state.speed[agent, lane]
+
+
+@kernel
+def own_steering(world: World, agent: int, lane: int) -> float:
+    """Return the steering angle in the last step [rad], left positive.
+
+    Where wheels turn at once, those of a HAV that stood are straight: it may have waited, and then
+    what was commanded is void.
+    """
+    known = world.rolls | (own_speed(world, agent, lane) != 0.0)
+    return world.state.steering[agent, lane] if known else 0.0
+
+
+@kernel
 def articulation(world: World, agent: int, joint: int, lane: int) -> float:
     """Return an articulation in [-pi, pi): joint 1 is the first, bending left is positive [rad]."""
     heading = world.state.heading
@@ -245,9 +263,11 @@ def neighbor_front_gap(world: World, agent: int, k: int, lane: int) -> float:
 
 @kernel
 def neighbor_speed(world: World, agent: int, k: int, lane: int) -> float:
-    """Return the speed of neighbour ``k`` in the last step [m/s]; one that waits has none."""
-    other = neighbor_id(world, agent, k, lane)
-    return 0.0 if world.state.waiting[other, lane] else world.state.speed[other, lane]
+    """Return the speed of neighbour ``k`` in the last step [m/s].
+
+    One that waits has none, unless it brakes (``hav_env.vehicles.Limited``).
+    """
+    return own_speed(world, neighbor_id(world, agent, k, lane), lane)
 
 
 @kernel

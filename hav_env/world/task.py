@@ -1,10 +1,19 @@
 """This module states the rules of an episode: clock, goal tolerances, ends, sensing."""
 
+import math
 from typing import Literal, NamedTuple
 
 from hav_env.compiled import kernel
 from hav_env.models.checks import check_relations, check_value, require
-from hav_env.models.quantities import AngleTolerance, Distance, Duration, Share, Steps, Tolerance
+from hav_env.models.quantities import (
+    AngleTolerance,
+    Distance,
+    Duration,
+    GoalSpeed,
+    Share,
+    Steps,
+    Tolerance,
+)
 
 # what compiled code sees of a word: its place among those that are allowed
 ALONE = IN_TURN = REMOVE = END = 1
@@ -19,6 +28,9 @@ class Task(NamedTuple):
     """A goal is hit when the truck's rear axle is less than this away, d_e^G [m], ..."""
     heading_tolerance: AngleTolerance = 0.1
     """... and its heading differs by less than this, d_h^G [rad]."""
+    goal_speed: GoalSpeed = math.inf
+    """A goal is hit only when the truck is at most this fast [m/s]. It matters to vehicles that
+    brake at their goals (``Limited``): the slower they arrive, the less far they roll on."""
     max_steps: Steps = 20_000
     """An episode ends after this many steps, if not all last goals were hit before."""
     sensing_range: Distance = 30.0

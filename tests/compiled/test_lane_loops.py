@@ -14,7 +14,7 @@ from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.observation.layout import FIRST_OF_ROUTE, FIRST_OF_UNITS
 from hav_env.observation.own import observe_itself
 from hav_env.observation.route import observe_route, plan_route
-from hav_env.vehicles import OnAxle, move
+from hav_env.vehicles import Limited, OnAxle, actuate, move
 from hav_env.world.lanes import block_of
 from hav_env.world.other_havs import find_nearest_points
 from tests.support.budgets import COMPILED
@@ -24,12 +24,17 @@ pytestmark = pytest.mark.skipif(
     reason="reads the compiled code of one kind of processor",
 )
 AGENT, OTHER = 0, 1
+VEHICLE, LIMITED = OnAxle(), Limited()
 ARITHMETIC = r"\tv?(?:add|sub|mul|div|sqrt|min|max|fn?m(?:add|sub)\d*)"
 ON_ONE, ON_VECTORS = re.compile(ARITHMETIC + r"s[sd]\b"), re.compile(ARITHMETIC + r"p[sd]\b")
 
 
 def move_havs(world, own, result):
-    move(OnAxle(1, False), 0.2, world, AGENT)
+    move(VEHICLE, 0.2, world, AGENT)
+
+
+def follow_commands(world, own, result):
+    actuate(LIMITED, 0.2, world, AGENT, own.command[0], own.command[1])
 
 
 def plan_routes(world, own, result):
@@ -69,7 +74,8 @@ def instructions(stage, *args):
 
 
 @pytest.mark.parametrize(
-    "stage", [move_havs, plan_routes, observe_routes, observe_havs, look_at_others]
+    "stage",
+    [move_havs, follow_commands, plan_routes, observe_routes, observe_havs, look_at_others],
 )
 def test_what_is_left_over_of_vectors_is_all_that_is_done_lane_by_lane(stage, arrays):
     """Every loop has a vector part and one for the lanes left over, of the same instructions."""

@@ -17,6 +17,8 @@ from baselines.replay.trajectory import record_trajectory
 from hav_env import (
     Column,
     Crossing,
+    Instant,
+    Limited,
     Observation,
     OnAxle,
     PlacementError,
@@ -48,12 +50,13 @@ from tests.support.budgets import budget
 from train.curriculum import Curriculum
 
 MODELS = (Task, RandomFleet, RandomPoses, Crossing, Yard, Column, OnAxle, Observation, Reward)
-MODELS += (AvoidJack, DubinsPursuit, Random, Reserve, Curriculum)
+MODELS += (Limited, AvoidJack, DubinsPursuit, Random, Reserve, Curriculum)
 FIELDS = [
     (model, field, *split_range(kind))
     for model in MODELS
     for field, kind in kinds_of(model).items()
 ]
+UNLIMITED = {"goal_speed"}
 NUMBERS = [place for place in FIELDS if place[2] in (int, float)]
 
 
@@ -100,7 +103,8 @@ def test_the_page_states_the_ranges():
 @pytest.mark.parametrize(("model", "field", "kind", "allowed"), NUMBERS)
 def test_every_number_of_every_model_has_a_range(model, field, kind, allowed):
     assert allowed is not None
-    assert -math.inf < allowed.low < allowed.high < math.inf
+    assert -math.inf < allowed.low < allowed.high
+    assert allowed.high < math.inf or field in UNLIMITED
     assert allowed.low <= model._field_defaults[field] <= allowed.high
 
 
@@ -108,7 +112,9 @@ def beyond(kind, allowed):
     if kind is int:
         return [allowed.low - 1, allowed.high + 1, -(10**30), 10**30, 10**5000]
     out = [math.nextafter(allowed.low, -math.inf), math.nextafter(allowed.high, math.inf)]
-    return [*out, -1e300, 1e300, math.inf, -math.inf, math.nan, 10**400, np.float64(math.nan)]
+    out += [-1e300, 1e300, math.inf, -math.inf, 10**400]
+    outside = [value for value in out if not allowed.low <= value <= allowed.high]
+    return [*outside, math.nan, np.float64(math.nan)]
 
 
 NO_NUMBERS = [None, "1", b"1", True, np.True_, 1 + 0j, [1], (1,), {1}, {}, np.ones(1), np.array(1)]
@@ -129,7 +135,8 @@ def test_what_is_outside_a_range_is_refused_by_name(model, field, kind, allowed)
             check_fields("it", model()._replace(**{field: allowed.low + 0.5}))
 
 
-OTHERS = [place for place in FIELDS if place[2] not in (int, float)]
+# of a part that may be of any class, ``check_vehicle`` says what it must be
+OTHERS = [place for place in FIELDS if place[2] not in (int, float, Any)]
 
 
 @pytest.mark.parametrize(("model", "field", "kind", "_"), OTHERS)
@@ -159,7 +166,7 @@ def numbers_in(model, *without, **bounds):
         else:
             spread = st.floats(low, high)
             if low > 0.0:  # small numbers as often as large ones
-                spread |= st.floats(math.log(low), math.log(high)).map(math.exp)
+                spread |= st.floats(math.log(low), math.log(min(high, 1e300))).map(math.exp)
                 spread = spread.map(lambda x, low=low, high=high: min(max(x, low), high))
         usual = model._field_defaults[field]
         fields[field] = st.sampled_from([low, high, usual]) | spread
@@ -215,11 +222,18 @@ def agreeing(task: Task, words: dict[str, str]) -> Task:
 TASKS = st.builds(agreeing, numbers_in(Task), WORDS)
 
 
+VEHICLES = st.builds(
+    lambda vehicle, actuators: vehicle._replace(actuators=actuators),
+    numbers_in(OnAxle, substeps=(1, 20)),
+    st.just(Instant()) | numbers_in(Limited),
+)
+
+
 @settings(max_examples=budget(300, 15))
 @given(
     SCENARIOS,
     TASKS,
-    numbers_in(OnAxle, substeps=(1, 20)),
+    VEHICLES,
     numbers_in(Observation, neighbors=(0, 30)),
     numbers_in(Reward),
     st.sampled_from([1, 2, 30]),

@@ -6,8 +6,9 @@ trailer's at its hitch. A line ends at the axle of its unit, or at the unit's ow
 lies behind.
 """
 
-from hav_env.compiled import generic, kernel
+from hav_env.compiled import generic
 from hav_env.maths.elementary import sincos
+from hav_env.maths.hitched_circle import add_joint
 from hav_env.world.units.parts import Hitches, OnAxles
 
 
@@ -41,24 +42,6 @@ def least_squared_radius(joints, fleet, agent, lane):
 
     Off the axles it is that of the tightest circle on which no articulation goes beyond its limit.
     """
-
-
-@kernel
-def squared_radius_for(length, offset, cosine_limit):
-    """Return the least squared radius of the circle of an axle for the trailer behind it [m^2].
-
-    The articulation on a circle of radius r is atan(c / r) + atan(l / sqrt(r^2 + c^2 - l^2)). It is
-    largest where the root is zero, 90 degrees + asin(c / l), which no limit beyond that meets.
-
-    Args:
-        length: l of the trailer [m].
-        offset: c, how far behind the axle it is hitched [m].
-        cosine_limit: of the limit of its articulation.
-    """
-    free = length * length - offset * offset
-    sides = offset * offset + length * length + 2.0 * offset * length * cosine_limit
-    limited = sides / (1.0 - cosine_limit * cosine_limit) - offset * offset
-    return limited if cosine_limit * length > -offset else free
 
 
 @hitch_on_axles.register(OnAxles)
@@ -121,11 +104,9 @@ def _sum_of_squares(joints, fleet, agent, lane):
 @least_squared_radius.register(Hitches)
 def _largest_sum_of_squares(joints, fleet, agent, lane):
     truck = fleet.length[agent, 0, lane]
-    squares = truck * truck  # that of the truck's front axle for a last axle on the centre
-    most = squares
+    least = lost = truck * truck
     for unit in range(1, fleet.num_trailers[agent, lane] + 1):
         length, offset = fleet.length[agent, unit, lane], joints.offset[agent, unit - 1, lane]
-        _, cosine_limit = sincos(joints.limit[agent, unit, lane])
-        most = max(most, squares + squared_radius_for(length, offset, cosine_limit))
-        squares += length * length - offset * offset
-    return most
+        _, cosine = sincos(joints.limit[agent, unit, lane])
+        least, lost = add_joint(least, lost, length, offset, cosine)
+    return least

@@ -1,0 +1,189 @@
+"""This module has the actuators of trucks: how speed and steering follow what was commanded.
+
+With ``Instant`` both jump, as in the paper. With ``Limited`` a truck accelerates, brakes and turns
+its wheels at limited rates.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from hav_env.compiled import generic, kernel
+from hav_env.maths.elementary import sincos
+from hav_env.maths.geometry import clip
+from hav_env.models.annotations import show
+from hav_env.models.checks import check_fields
+from hav_env.models.quantities import Acceleration, SteeringRate
+from hav_env.world.arrays import SPEED, STEERING, World
+from hav_env.world.lanes import moving_block, rolling_block
+
+_TINY_SINE = 1e-300  # keeps the fastest speed of straight wheels from a division by zero
+_PI_SQUARED = math.pi * math.pi
+_ABOVE_PI_SQUARED = 1.01 * _PI_SQUARED
+
+
+class Instant(NamedTuple):
+    """Speed and steering are at once what was commanded, as in the paper."""
+
+
+class Limited(NamedTuple):
+    """Speed and steering follow commands at limited rates; trucks slow down in curves.
+
+    In each step the steering changes first. The speed that is aimed at is then cut to what the
+    lateral acceleration v^2 tan(phi) / l_0 allows. A truck that cannot brake as quickly as its
+    wheels turn is beyond the lateral limit until it has slowed down.
+
+    A HAV that hits its goal waits from then on: it brakes, with the wheels as they are, and may
+    come to rest beyond the goal's tolerance. ``Task.goal_speed`` asks for slow arrivals. Defaults
+    are those of a loaded truck; 1e9 is no limit.
+    """
+
+    acceleration: Acceleration = 1.0
+    """Largest increase of the speed [m/s^2]."""
+    braking: Acceleration = 2.0
+    """Largest decrease of the speed [m/s^2]."""
+    steering_rate: SteeringRate = 0.5
+    """Largest change of the steering angle [rad/s]; 0.52 of Apollo's truck, 0.71 of CommonRoad's
+    truck (vehicle 4)."""
+    lateral: Acceleration = 2.0
+    """Largest lateral acceleration of the truck's rear axle [m/s^2]; trucks roll over from 3.4
+    on."""
+
+
+@generic
+def actuate(actuators: Any, dt: float, world: World, agent: int, speed: Any, steering: Any) -> None:
+    """Turn what was commanded into speed and steering of one HAV, in every lane of a block.
+
+    Writes ``state.speed[agent]`` and ``state.steering[agent]``, which hold what they were in the
+    step before and stay within the HAV's limits. Commands for a HAV that waits are void: its speed
+    goes to zero and stays there.
+
+    Args:
+        actuators: the parameters; their type selects the kernel.
+        dt: duration of the step [s].
+        world: a block of worlds.
+        agent: number of the HAV.
+        speed: (N, W) commanded speeds [m/s].
+        steering: (N, W) commanded steering angles [rad].
+    """
+
+
+@actuate.register(Instant)
+def follow_at_once(actuators, dt, world, agent, speed, steering):
+    """Cut speed and steering to the limits of a HAV; one that waits stands."""
+    state, limit = world.state, world.fleet.limit
+    for lane in range(world.lanes):
+        v = clip(speed[agent, lane], 0.0, limit[agent, SPEED, lane])
+        steepest = limit[agent, STEERING, lane]
+        state.speed[agent, lane] = 0.0 if state.waiting[agent, lane] else v
+        state.steering[agent, lane] = clip(steering[agent, lane], -steepest, steepest)
+
+
+@actuate.register(Limited)
+def follow_within_limits(actuators, dt, world, agent, speed, steering):
+    """Change speed and steering by what a step allows; a HAV that waits brakes, wheels held."""
+    state, limit, lateral = world.state, world.fleet.limit, actuators.lateral
+    turn, quick = actuators.steering_rate * dt, 0
+    for lane in range(world.lanes):
+        steepest, held = limit[agent, STEERING, lane], state.steering[agent, lane]
+        wanted = clip(steering[agent, lane], -steepest, steepest)
+        turned = clip(held if state.waiting[agent, lane] else wanted, held - turn, held + turn)
+        state.steering[agent, lane] = turned
+        aim = _aim(world, agent, lane, speed)
+        quick += _may_be_quick(aim, turned, world.fleet.length[agent, 0, lane], lateral)
+    faster, slower = actuators.acceleration * dt, actuators.braking * dt
+    if quick > 0:
+        for lane in range(world.lanes):
+            wheelbase, turned = world.fleet.length[agent, 0, lane], state.steering[agent, lane]
+            fastest = speed_in_curve(turned, wheelbase, lateral)
+            aim, before = _aim(world, agent, lane, speed), state.speed[agent, lane]
+            state.speed[agent, lane] = clip(min(aim, fastest), before - slower, before + faster)
+    else:
+        for lane in range(world.lanes):
+            aim, before = _aim(world, agent, lane, speed), state.speed[agent, lane]
+            state.speed[agent, lane] = clip(aim, before - slower, before + faster)
+
+
+@kernel
+def _aim(world, agent, lane, speed):
+    """Return the speed that a HAV is to have [m/s], cut to its limit."""
+    v = clip(speed[agent, lane], 0.0, world.fleet.limit[agent, SPEED, lane])
+    return 0.0 if world.state.waiting[agent, lane] else v
+
+
+@kernel
+def _may_be_quick(speed, steering, wheelbase, lateral):
+    """Tell whether a speed [m/s] may be above ``speed_in_curve``; below it, none is told to be.
+
+    tan(x) is at most x pi^2 / (pi^2 - 4 x^2) up to a quarter turn (Becker and Stark, 1978). A
+    hundredth more keeps rounding from mattering.
+    """
+    x = abs(steering)
+    return speed * speed * (_ABOVE_PI_SQUARED * x) > lateral * wheelbase * (
+        _PI_SQUARED - 4.0 * x * x
+    )
+
+
+@kernel
+def speed_in_curve(steering, wheelbase, lateral):
+    """Return the speed [m/s] at which v^2 tan(phi) / l_0 is a lateral acceleration [m/s^2]."""
+    sine, cosine = sincos(steering)
+    return math.sqrt(lateral * (wheelbase * cosine) / max(abs(sine), _TINY_SINE))
+
+
+@generic
+def acting_block(actuators: Any, world: World, agent: int) -> World:
+    """Return the lanes in which a HAV moves in this step, as ``moving_block`` does."""
+    raise NotImplementedError
+
+
+@acting_block.register(Instant)
+def _who_waits_stands(actuators, world, agent):
+    return moving_block(world, agent)
+
+
+@acting_block.otherwise
+def _who_waits_may_roll(actuators, world, agent):
+    return rolling_block(world, agent)
+
+
+@generic
+def actuators_of(vehicle: Any) -> Any:
+    """Return the actuators of a vehicle: those in its field, if it is registered, or instant ones.
+
+    A vehicle of your own whose field ``actuators`` should count registers with
+    ``actuators_of.register(MyVehicle)(actuators_in_field)``.
+    """
+
+
+@kernel
+def actuators_in_field(vehicle):
+    """Return what a vehicle has in its field ``actuators``."""
+    return vehicle.actuators
+
+
+@actuators_of.otherwise
+def _instant_actuators(vehicle):
+    return _INSTANT
+
+
+_INSTANT = Instant()
+
+
+def is_instant(vehicle: Any) -> bool:
+    """Tell whether a vehicle does at once what was commanded: nobody who waits rolls."""
+    return isinstance(actuators_of(vehicle), Instant)
+
+
+def check_actuators(vehicle: Any) -> None:
+    """Check the actuators of a vehicle.
+
+    Raises:
+        TypeError: when they are no actuators, or a field has a value of another kind.
+        ValueError: naming the field, its value and what is allowed.
+    """
+    actuators = actuators_of(vehicle)
+    if type(actuators) not in actuate.table:
+        known = " or ".join(sorted(kind.__name__ for kind in actuate.table))
+        told = f"vehicle actuators is {show(actuators)}, but must be {known}"
+        raise TypeError(f"{told}: register your own class with actuate")
+    check_fields("actuators", actuators)
