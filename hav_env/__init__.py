@@ -33,13 +33,14 @@ from hav_env.scenarios import (
     RandomFleet,
     RandomPoses,
     Yard,
+    catalogue_fleet,
     explicit,
     load_explicit,
     populate,
 )
 from hav_env.scenarios.presets import find_scenario
 from hav_env.simulator.batch import Batch
-from hav_env.vehicles import Instant, Limited, Lines, OffAxle, OnAxle, Rectangles, move
+from hav_env.vehicles import Instant, Limited, Lines, OffAxle, OnAxle, Rectangles, catalogue, move
 from hav_env.world import sensing
 from hav_env.world.task import Task
 
@@ -74,6 +75,8 @@ __all__ = [
     "act_lanes",
     "allocate_memory",
     "broadcast_size",
+    "catalogue",
+    "catalogue_fleet",
     "decide",
     "env",
     "evaluate",

@@ -21,6 +21,7 @@ from hav_env.models.quantities import (
     Steering,
     Trailers,
 )
+from hav_env.scenarios.catalogue_fleet import CatalogueFleet, catalogue_fleet
 from hav_env.scenarios.column import Column, populate_column
 from hav_env.scenarios.crossing import Crossing, populate_crossing
 from hav_env.scenarios.explicit import Explicit, explicit, populate_explicit
@@ -82,6 +83,7 @@ populate.register(Column)(populate_column)
 populate.register(Explicit)(populate_explicit)
 
 __all__ = [
+    "CatalogueFleet",
     "Column",
     "Crossing",
     "Explicit",
@@ -89,6 +91,7 @@ __all__ = [
     "RandomFleet",
     "RandomPoses",
     "Yard",
+    "catalogue_fleet",
     "check_scenario",
     "explicit",
     "load_explicit",

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from hav_env.models.quantities import Gap, Goals, Havs
-from hav_env.scenarios.fleets import RandomFleet, draw_fleet, scenario_key
+from hav_env.scenarios.fleets import Fleets, RandomFleet, draw_fleet, scenario_key
 from hav_env.world.arrays import FOOTPRINT, HEADING, X, Y, put_straight
 from hav_env.world.collision import reach
 
@@ -15,7 +15,7 @@ class Column(NamedTuple):
     """Number of HAVs in the column."""
     num_goals: Goals = 1
     """Number of times that the column moves on."""
-    fleet: RandomFleet = RandomFleet()
+    fleet: Fleets = RandomFleet()
     """Trucks and trailers."""
     distance: Gap = 200.0
     """Distance that the column moves on for each goal [m]."""

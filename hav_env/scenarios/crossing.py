@@ -9,7 +9,7 @@ from typing import NamedTuple
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import sincos
 from hav_env.models.quantities import Gap, Goals, Havs
-from hav_env.scenarios.fleets import RandomFleet, draw_fleet, scenario_key
+from hav_env.scenarios.fleets import Fleets, RandomFleet, draw_fleet, scenario_key
 from hav_env.world.arrays import HEADING, X, Y, put_straight
 from hav_env.world.collision import collision_distance
 
@@ -25,7 +25,7 @@ class Crossing(NamedTuple):
     """Number of HAVs that meet at the centre."""
     num_goals: Goals = 1
     """Number of times that each HAV crosses."""
-    fleet: RandomFleet = RandomFleet()
+    fleet: Fleets = RandomFleet()
     """Trucks and trailers."""
     gap: Gap = 20.0
     """Least gap [m] between the footprints of two HAVs at the start and at their goals, and between

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from hav_env.compiled import kernel
+from hav_env.compiled import generic, kernel
 from hav_env.maths.random_numbers import normal, uniform
 from hav_env.models.checks import check_relations, require
 from hav_env.models.quantities import (
@@ -16,6 +16,7 @@ from hav_env.models.quantities import (
     Steering,
     Trailers,
 )
+from hav_env.scenarios.catalogue_fleet import CatalogueFleet, draw_catalogue_fleet
 from hav_env.world.arrays import EPISODE, SEED, derive_radii, set_limits
 
 _STREAM = 0  # of the episode's random numbers; policies use others
@@ -65,12 +66,12 @@ def scenario_key(world, lane):
     return clock[SEED, lane], clock[EPISODE, lane], _STREAM
 
 
-@kernel
-def draw_fleet(random_fleet, fleet, lane, key, draw):
+@generic
+def draw_fleet(model, fleet, lane, key, draw):
     """Draw the HAVs of one lane.
 
     Args:
-        random_fleet: a RandomFleet.
+        model: how they are drawn; its type selects the kernel.
         fleet: the arrays to fill.
         lane: which world of the block.
         key: key of the episode's random numbers, see ``scenario_key``.
@@ -79,6 +80,10 @@ def draw_fleet(random_fleet, fleet, lane, key, draw):
     Returns:
         The number of the next random number.
     """
+
+
+@draw_fleet.register(RandomFleet)
+def _draw_random_fleet(random_fleet, fleet, lane, key, draw):
     for agent in range(fleet.num_trailers.shape[0]):
         count, draw = _draw_count(random_fleet, key, draw)
         truck, draw = _draw_truck(random_fleet, key, draw)
@@ -118,6 +123,10 @@ def _draw_truck(random_fleet, key, draw):
         if random_fleet.min_length <= length < random_fleet.max_length:
             return length, draw
     return random_fleet.min_length, draw
+
+
+draw_fleet.register(CatalogueFleet)(draw_catalogue_fleet)
+Fleets = RandomFleet | CatalogueFleet
 
 
 @check_relations.register

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from hav_env.compiled import kernel
 from hav_env.maths.random_numbers import uniform
 from hav_env.models.quantities import AreaFactor, Attempts, Goals, Havs, WorldAttempts
-from hav_env.scenarios.fleets import RandomFleet, draw_fleet, scenario_key
+from hav_env.scenarios.fleets import Fleets, RandomFleet, draw_fleet, scenario_key
 from hav_env.world.arrays import FOOTPRINT, put_straight
 from hav_env.world.collision import collision_distance
 
@@ -18,7 +18,7 @@ class RandomPoses(NamedTuple):
     """M, how many HAVs share the plane; the paper's are 1 and 2."""
     num_goals: Goals = 2
     """Number of goals that each HAV gets, one after the other."""
-    fleet: RandomFleet = RandomFleet()
+    fleet: Fleets = RandomFleet()
     """Trucks and trailers."""
     area_factor: AreaFactor = 4.0
     """Area of the square over the sum of the footprints' areas; 2 is double density."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from hav_env.compiled import kernel
 from hav_env.maths.random_numbers import uniform
 from hav_env.models.quantities import Gap, Goals, Havs
-from hav_env.scenarios.fleets import RandomFleet, draw_fleet, scenario_key
+from hav_env.scenarios.fleets import Fleets, RandomFleet, draw_fleet, scenario_key
 from hav_env.world.arrays import FOOTPRINT, HEADING, X, Y, put_straight
 
 _WAY_AHEAD = math.pi / 2  # out of the start bays, across the aisle, into the goal bays
@@ -26,7 +26,7 @@ class Yard(NamedTuple):
     """Number of HAVs, and of bays in a row."""
     num_goals: Goals = 1
     """Number of rows of goal bays, one behind the other."""
-    fleet: RandomFleet = RandomFleet()
+    fleet: Fleets = RandomFleet()
     """Trucks and trailers."""
     aisle: Gap = 100.0
     """Distance of the rows [m], from rear axles to rear axles. A HAV that moves to a bay far to

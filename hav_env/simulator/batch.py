@@ -82,7 +82,7 @@ class Batch:
         check_scenario(scenario)
         check_task(task)
         check_vehicle(vehicle)
-        check_continuous(task, vehicle)
+        check_parts(scenario, task, vehicle)
         try_scenario(scenario)
         try_vehicle(vehicle)
         self.scenario, self.task, self.vehicle = map(canonical, (scenario, task, vehicle))
@@ -175,9 +175,20 @@ def _shape(scenario: Any, task: Task, vehicle: Any) -> tuple:
     return scenario.num_havs, units, scenario.num_goals, task.continuous_collisions, *parts
 
 
-def check_continuous(task: Task, vehicle: Any) -> None:
-    """Raise ValueError where collisions between steps are asked for that are not looked for."""
-    known = not needs_hitches(vehicle) and isinstance(bodies_of(vehicle), Lines)
+def check_parts(scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
+    """Check that a vehicle has what a fleet and the rules of an episode need.
+
+    Raises:
+        ValueError: where trailers are hitched off the axles and the vehicle does not know hitches,
+            or where collisions between steps are asked for that are not looked for.
+    """
+    hitched = needs_hitches(vehicle)
+    if not hitched and np.any(getattr(scenario.fleet, "offset", 0.0)):
+        raise ValueError(
+            f"vehicle is {show(vehicle)}, but must know hitches where the fleet hitches trailers"
+            " off the axles: OffAxle(...), or its names 'off_axle' and 'realistic'"
+        )
+    known = not hitched and isinstance(bodies_of(vehicle), Lines)
     if task.continuous_collisions and not known:
         raise ValueError(
             "task continuous_collisions is True, but must be False for vehicles with hitches off"

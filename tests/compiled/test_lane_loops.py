@@ -14,7 +14,7 @@ from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.observation.layout import FIRST_OF_ROUTE, FIRST_OF_UNITS
 from hav_env.observation.own import observe_itself
 from hav_env.observation.route import observe_route, plan_route
-from hav_env.vehicles import Limited, OnAxle, actuate, move
+from hav_env.vehicles import Limited, OffAxle, OnAxle, Rectangles, actuate, move
 from hav_env.world.lanes import block_of
 from hav_env.world.other_havs import find_nearest_points
 from tests.support.budgets import COMPILED
@@ -24,13 +24,17 @@ pytestmark = pytest.mark.skipif(
     reason="reads the compiled code of one kind of processor",
 )
 AGENT, OTHER = 0, 1
-VEHICLE, LIMITED = OnAxle(), Limited()
+VEHICLE, OFF_AXLE, LIMITED = OnAxle(), OffAxle(), Limited()
 ARITHMETIC = r"\tv?(?:add|sub|mul|div|sqrt|min|max|fn?m(?:add|sub)\d*)"
 ON_ONE, ON_VECTORS = re.compile(ARITHMETIC + r"s[sd]\b"), re.compile(ARITHMETIC + r"p[sd]\b")
 
 
 def move_havs(world, own, result):
     move(VEHICLE, 0.2, world, AGENT)
+
+
+def move_off_axle(world, own, result):
+    move(OFF_AXLE, 0.2, world, AGENT)
 
 
 def follow_commands(world, own, result):
@@ -93,3 +97,13 @@ def test_a_loop_that_asks_lane_by_lane_would_be_noticed(arrays):
 
     on_one, on_vectors = instructions(drive_in_turn, *arrays)
     assert on_one > 1.25 * on_vectors
+
+
+@pytest.mark.parametrize("stage", [move_off_axle, look_at_others])
+def test_the_same_holds_for_hitches_and_rectangles(stage):
+    process = DecisionProcess(64, vehicle=OffAxle(bodies=Rectangles()))
+    on_one, on_vectors = instructions(
+        stage, process.batch.worlds, process._buffers, process.outcome()
+    )
+    assert on_vectors > 10
+    assert on_one <= 1.25 * on_vectors, (on_one, on_vectors)

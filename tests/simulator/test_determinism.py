@@ -132,8 +132,15 @@ from baselines.policies.dubins_pursuit import DubinsPursuit
 from baselines.policies.random import Random
 from baselines.policies.reserve import Reserve
 from hav_env.evaluation.rollout import rollout
-from hav_env import RandomPoses, Task
+from hav_env import (
+    Limited, OffAxle, OnAxle, RandomPoses, Rectangles, Task, catalogue_fleet
+)
 
+fleet = catalogue_fleet(["wb-67d", "baggage-train", "b-double"])
+for vehicle in (OffAxle(bodies=Rectangles(), actuators=Limited()), OffAxle(2, "euler")):
+    scenario = RandomPoses(num_havs=3, fleet=fleet)
+    task = Task(max_steps=300)
+    print(repr(rollout(AvoidJack(), scenario, 21, np.arange(2), task, vehicle).to_pydict()))
 for num_havs, episodes, steps in ((1, 2, 400), (2, 1, 100), (5, 1, 20)):
     scenario, task = RandomPoses(num_havs=num_havs, area_factor=2.0), Task(max_steps=steps)
     print(repr(rollout(Reserve(), scenario, 21, np.arange(episodes), task).to_pydict()))

@@ -18,6 +18,14 @@ def hitch_on_axles(joints, agent, lane, limit):
 
 
 @generic
+def hitch_trailer(joints, agent, unit, lane, offset, limit):
+    """Set how far behind the axle of a unit its trailer is hitched [m], and the unit's own limit.
+
+    The limit is that of the unit's articulation [rad]; the truck has none.
+    """
+
+
+@generic
 def hitch_offset(joints, agent, unit, lane):
     """Return how far behind the axle of a unit its trailer is hitched [m]."""
 
@@ -54,6 +62,17 @@ def _set_hitches(joints, agent, lane, limit):
     for unit in range(joints.offset.shape[1]):
         joints.offset[agent, unit, lane] = 0.0
         joints.limit[agent, unit, lane] = limit
+
+
+@hitch_trailer.register(OnAxles)
+def _keep_on_axle(joints, agent, unit, lane, offset, limit):
+    pass
+
+
+@hitch_trailer.register(Hitches)
+def _set_hitch(joints, agent, unit, lane, offset, limit):
+    joints.offset[agent, unit, lane] = offset
+    joints.limit[agent, unit, lane] = limit
 
 
 @hitch_offset.register(OnAxles)

@@ -16,6 +16,11 @@ def shape_as_usual(bodies, agent, lane):
 
 
 @generic
+def shape_unit(bodies, agent, unit, lane, half_width, front, rear):
+    """Give a unit a body: half its width, and how far it sticks out in front and behind [m]."""
+
+
+@generic
 def find_reach(bodies, fleet, agent, lane):
     """Find the radius [m] round the truck's rear axle that holds a HAV, whatever its posture."""
 
@@ -29,9 +34,19 @@ def _have_no_shape(bodies, agent, lane):
 def _set_shape(bodies, agent, lane):
     usual = bodies.usual
     for unit in range(bodies.shape.shape[1]):
-        bodies.shape[agent, unit, HALF_WIDTH, lane] = 0.5 * usual.width
-        bodies.shape[agent, unit, FRONT, lane] = usual.front
-        bodies.shape[agent, unit, REAR, lane] = usual.rear
+        shape_unit(bodies, agent, unit, lane, 0.5 * usual.width, usual.front, usual.rear)
+
+
+@shape_unit.register(Lines)
+def _keep_no_shape(bodies, agent, unit, lane, half_width, front, rear):
+    pass
+
+
+@shape_unit.register(Outlines)
+def _shape_one(bodies, agent, unit, lane, half_width, front, rear):
+    bodies.shape[agent, unit, HALF_WIDTH, lane] = half_width
+    bodies.shape[agent, unit, FRONT, lane] = front
+    bodies.shape[agent, unit, REAR, lane] = rear
 
 
 @find_reach.register(Lines)
