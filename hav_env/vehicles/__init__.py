@@ -52,7 +52,16 @@ VEHICLES = Registry(
     {"on_axle": OnAxle, "limited": OnAxle(actuators=Limited())},
 )
 
+ACTUATORS = Registry(
+    "actuators",
+    "hav_env.actuators",
+    actuate.table.__contains__,
+    "register it with actuate.register",
+    {"instant": Instant, "limited": Limited},
+)
+
 __all__ = [
+    "ACTUATORS",
     "VEHICLES",
     "Instant",
     "Limited",
