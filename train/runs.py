@@ -120,7 +120,11 @@ def _read_as(usual: Any, name: str, value: Any) -> Any:
 def _describe_model(model: Any) -> dict[str, Any]:
     """Return the class of a model and its parameters as JSON knows them."""
     model_class = type(model)
-    return {"class": f"{model_class.__module__}:{model_class.__qualname__}", **model._asdict()}
+    fields = {
+        name: _describe_model(value) if hasattr(value, "_asdict") else value
+        for name, value in model._asdict().items()
+    }
+    return {"class": f"{model_class.__module__}:{model_class.__qualname__}", **fields}
 
 
 def _read_model(kind: str, told: dict[str, Any]) -> Any:
@@ -130,7 +134,11 @@ def _read_model(kind: str, told: dict[str, Any]) -> Any:
         ValueError: when there is no such class.
         TypeError: when its parameters are others.
     """
-    parameters = {name: value for name, value in told.items() if name != "class"}
+    parameters = {
+        name: _read_model(name, value) if name in REGISTRIES and isinstance(value, dict) else value
+        for name, value in told.items()
+        if name != "class"
+    }
     found = REGISTRIES[kind].find(told["class"])
     if set(found._fields) != set(parameters):
         raise TypeError(f"{kind} is {told!r}, but must have the fields {found._fields}")

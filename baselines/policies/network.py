@@ -20,7 +20,8 @@ from hav_env.observation import (
     plan_route,
     settle,
 )
-from hav_env.policies.interface import act_lanes, check_parameters, memory_size
+from hav_env.policies.interface import act_lanes, check_parameters, check_rules, memory_size
+from hav_env.vehicles import is_instant
 from hav_env.world.sensing import episode_key, limits
 
 MOST_LAYERS, WIDEST_LAYER, MOST_WEIGHTS = 32, 8_192, 1 << 22
@@ -126,6 +127,15 @@ def _(policy: Network, scenario) -> None:
     check_network(policy)
 
 
+@check_rules.register
+def _(policy: Network, scenario, task, vehicle) -> None:
+    if not is_instant(vehicle) and not policy.observation.motion:
+        raise ValueError(
+            f"vehicle is {vehicle}, but the policy was trained for instant actuators: it does not"
+            " observe its motion"
+        )
+
+
 def check_network(policy: Network) -> None:
     """Check a network by itself, whatever the scenario, before memory is allocated for it.
 
@@ -200,8 +210,11 @@ def count_columns(observation: Observation, max_trailers: int) -> int:
     return columns
 
 
+_WHAT = "chains", "fronts", "motion"
+
+
 def _say(observation: Observation, max_trailers: int) -> str:
-    more = "".join(f" with {what}" for what in ("chains", "fronts") if getattr(observation, what))
+    more = "".join(f" with {what}" for what in _WHAT if getattr(observation, what))
     return f"{observation.neighbors} neighbors{more} and up to {max_trailers} trailers"
 
 

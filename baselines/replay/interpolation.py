@@ -33,8 +33,8 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         y=y,
         heading=between(trajectory.heading),
         # nothing is decided in the last state
-        speed=np.nan_to_num(trajectory.speed[row]),
-        steering=np.nan_to_num(trajectory.steering[row]),
+        speed=np.nan_to_num(trajectory.motion[row, :, 0]),
+        steering=np.nan_to_num(trajectory.motion[row, :, 1]),
         num_trailers=trajectory.num_trailers,
         length=trajectory.length,
         footprint=trajectory.footprint,
@@ -47,6 +47,7 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         happened=has_happened(trajectory.first[..., WHEN]),
         potential=find_potential(x, y, trajectory.footprint, ~removed),
         evaded=trajectory.evaded[row],
+        command=np.nan_to_num(np.stack([trajectory.speed[row], trajectory.steering[row]], axis=1)),
     )
 
 

@@ -29,6 +29,7 @@ class States(NamedTuple):
     removed: np.ndarray  # (T, N) bool
     speed: np.ndarray  # (T, N) decided in this state [m/s]; nan in the last, where nothing is
     steering: np.ndarray  # (T, N) [rad]
+    motion: np.ndarray  # (T, N, 2) what the truck made of it: speed [m/s], steering [rad]
     evaded: np.ndarray  # (T, N) the HAV evaded in this state, NEVER for none
 
 
@@ -66,7 +67,7 @@ def record_states(
                 _keep(world, states, row, place)
             act_and_step(policy, memory, task, vehicle, world, speed, steering)
             if kept:
-                _keep_decisions(policy, memory, states, row, speed, steering)
+                _keep_decisions(policy, memory, world, states, row, speed, steering)
                 row += 1
         count[0] = row
 
@@ -91,16 +92,21 @@ def _keep(world, states, row, place):
         states.waiting[row, agent] = state.waiting[agent, 0]
         states.removed[row, agent] = is_removed(world, agent, 0)
         states.speed[row, agent] = states.steering[row, agent] = math.nan
+        states.motion[row, agent, 0] = states.motion[row, agent, 1] = math.nan
         states.evaded[row, agent] = NEVER
 
 
 @kernel
-def _keep_decisions(policy, memory, states, row, speed, steering):
-    """Keep what was decided in a state. A HAV that waits decides nothing: it stands."""
+def _keep_decisions(policy, memory, world, states, row, speed, steering):
+    """Keep what was decided in a state. A HAV that waits decides nothing: it stands, or brakes."""
     for agent in range(speed.shape[0]):
         waits = states.waiting[row, agent]
         states.speed[row, agent] = 0.0 if waits else speed[agent, 0]
         states.steering[row, agent] = 0.0 if waits else steering[agent, 0]
+        # of one that waits and stands, the wheels do not matter
+        void = waits and not world.rolls
+        states.motion[row, agent, 0] = 0.0 if void else world.state.speed[agent, 0]
+        states.motion[row, agent, 1] = 0.0 if void else world.state.steering[agent, 0]
         states.evaded[row, agent] = NEVER if waits else evaded(policy, memory, agent, 0)
 
 
@@ -135,5 +141,5 @@ def _allocate(num_havs: int, num_units: int) -> States:
     heading = np.zeros((_CHUNK, num_havs, num_units))
     return States(
         *(np.zeros(_CHUNK, np.int64), whole(), real(), real(), heading),
-        *(flags(), flags(), real(), real(), whole()),
+        *(flags(), flags(), real(), real(), np.zeros((_CHUNK, num_havs, 2)), whole()),
     )

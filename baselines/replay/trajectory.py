@@ -30,6 +30,7 @@ class Trajectory(NamedTuple):
     phase: np.ndarray  # (T, N) which of its goals is under way, from 0
     speed: np.ndarray  # (T, N) decided in this state [m/s]; nan in the last, where nothing is
     steering: np.ndarray  # (T, N) [rad], left positive
+    motion: np.ndarray  # (T, N, 2) what the truck made of both in the step that follows
     evaded: np.ndarray  # (T, N) the HAV evaded in this state, NEVER for none
     num_trailers: np.ndarray  # (N,)
     length: np.ndarray  # (N, U) wheelbase and trailer lengths [m], inf beyond the last

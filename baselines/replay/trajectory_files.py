@@ -15,7 +15,7 @@ from baselines.storage.atomic_files import whole_file
 from hav_env.world.arrays import NEVER, WHEN, WHERE
 from hav_env.world.event_table import EVENTS
 
-_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 2
+_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 3
 _MOST_BYTES_KEPT = 1 << 29  # unpacked
 _HEADS = 1 << 16  # [bytes] at most, of all arrays
 _MOST_METRES = 1e9  # [m], [rad]: beyond it nothing is meant
@@ -32,6 +32,7 @@ _LAYOUT = {
     "phase": ("iu", "TN"),
     "speed": ("f", "TN"),
     "steering": ("f", "TN"),
+    "motion": ("f", "TN2"),
     "evaded": ("i", "TN"),
     "num_trailers": ("iu", "N"),
     "length": ("f", "NU"),
@@ -151,6 +152,7 @@ def _check(trajectory: Trajectory) -> None:
                 # nothing is decided in the last state
                 np.nan_to_num(trajectory.speed, posinf=np.inf, neginf=-np.inf),
                 np.nan_to_num(trajectory.steering, posinf=np.inf, neginf=-np.inf),
+                np.nan_to_num(trajectory.motion, posinf=np.inf, neginf=-np.inf),
             )
         ),
         "a footprint below 0": (trajectory.footprint >= 0).all(),

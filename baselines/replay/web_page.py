@@ -74,8 +74,8 @@ def _pack(trajectory: Trajectory, speed: float) -> dict:
         "axles": _encode(axles, "<i2"),
         "axleUnit": axle_units,
         # nothing is decided in the last state; steering in tenths of milliradians
-        "driving": _encode(np.nan_to_num(trajectory.speed), "<f4"),
-        "steering": _encode(np.round(np.nan_to_num(trajectory.steering) * 1e4), "<i2"),
+        "driving": _encode(np.nan_to_num(trajectory.motion[..., 0]), "<f4"),
+        "steering": _encode(np.round(np.nan_to_num(trajectory.motion[..., 1]) * 1e4), "<i2"),
         "evaded": _encode(trajectory.evaded, "<i2"),
         "removed": _encode(trajectory.removed, "u1"),
     }

@@ -6,6 +6,7 @@ import numpy as np
 
 from hav_env.models.annotations import show
 from hav_env.simulator.batch import Batch
+from hav_env.world.arrays import STEP
 
 ENV_RENDER_MODES = ["human", "rgb_array", "ansi"]
 RENDER_FPS = 30
@@ -16,9 +17,19 @@ class Screen:
     """Shows the worlds of a batch in one mode, with a viewer for each world that it shows."""
 
     def __init__(
-        self, render_mode: str | None, batch: Batch, modes: list[str] = ENV_RENDER_MODES
+        self,
+        render_mode: str | None,
+        batch: Batch,
+        modes: list[str] = ENV_RENDER_MODES,
+        command: np.ndarray | None = None,
     ) -> None:
         """Show nothing yet.
+
+        Args:
+            render_mode: None, or one of ``modes``.
+            batch: the worlds.
+            modes: the modes that the environment knows.
+            command: (2, N, W) where what was commanded last will stand; None when unknown.
 
         Raises:
             ValueError: when the mode is not None or one of ``modes``.
@@ -30,7 +41,7 @@ class Screen:
             raise ValueError(f"{told}, but must be None or one of {', '.join(modes)}")
         if render_mode in _DRAWN:
             import hav_env.rendering.viewer  # noqa: F401, PLC0415  see above
-        self.render_mode, self._batch = render_mode, batch
+        self.render_mode, self._batch, self._command = render_mode, batch, command
         self._viewers: dict[int, Any] = {}
 
     def show(self, w: int = 0) -> np.ndarray | str | None:
@@ -43,7 +54,10 @@ class Screen:
             return None
         from hav_env.rendering.scene import describe, scene_of  # noqa: PLC0415  (see above)
 
-        scene = scene_of(self._batch.worlds, w, self._batch.task.dt)
+        worlds, command = self._batch.worlds, None
+        if self._command is not None and worlds.state.clock[STEP, w] > 0:
+            command = self._command[:, :, w].T
+        scene = scene_of(worlds, w, self._batch.task.dt, command=command)
         if self.render_mode == "ansi":
             return describe(scene)
         if w not in self._viewers:

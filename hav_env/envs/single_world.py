@@ -67,7 +67,7 @@ class SingleWorld:
             ValueError, TypeError: naming the argument, its value and what is allowed.
         """
         self.process = DecisionProcess(1, controlled, others, **arguments)
-        self.screen = Screen(render_mode, self.process.batch)
+        self.screen = Screen(render_mode, self.process.batch, command=self.process.command)
         self._key: tuple[int, int] | None = None  # of the last episode
         self._blank: dict[str, Any] = dict.fromkeys(self.process.info)
         self._allocate()

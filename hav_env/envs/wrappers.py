@@ -10,6 +10,7 @@ from pettingzoo.utils.wrappers import BaseParallelWrapper
 from hav_env.envs.gymnasium_single import HAVSingleEnv, HAVSwarmEnv
 from hav_env.envs.hav_swarm_v0 import HAVSwarmParallelEnv
 from hav_env.mdp.actions import check_mapping, read_action
+from hav_env.world.sensing import own_speed, own_steering
 
 
 class _Units:
@@ -18,6 +19,13 @@ class _Units:
     def __init__(self, env: HAVSwarmEnv | HAVSingleEnv | HAVSwarmParallelEnv) -> None:
         limits = env.scenario.fleet
         self.most = np.array([limits.speed_max, limits.steering_max])
+        self._process = env._world.process
+
+    def actual(self) -> np.ndarray:
+        """Return speed [m/s] and steering [rad] of every HAV in the last step, (N, 2)."""
+        worlds, havs = self._process.batch.worlds, range(self._process.num_havs)
+        pairs = [(own_speed(worlds, hav, 0), own_steering(worlds, hav, 0)) for hav in havs]
+        return np.array(pairs)
 
     def box(self, shape: tuple[int, ...]) -> spaces.Box:
         """Return the space of actions in physical units."""
@@ -46,6 +54,11 @@ class PhysicalActions(gym.ActionWrapper):
         assert isinstance(env.action_space, spaces.Box)
         self.action_space = self._units.box(env.action_space.shape)
 
+    @property
+    def actual(self) -> np.ndarray:
+        """(N, 2) speed [m/s] and steering [rad] of the last step: what the trucks made of it."""
+        return self._units.actual()
+
     def action(self, action: Any) -> np.ndarray:
         """Return the action that the environment takes."""
         assert self.action_space.shape is not None
@@ -60,6 +73,11 @@ class PhysicalParallelActions(BaseParallelWrapper):
         super().__init__(env)
         self._units = _Units(env)
         self._spaces = {agent: self._units.box((2,)) for agent in env.possible_agents}
+
+    @property
+    def actual(self) -> np.ndarray:
+        """(N, 2) speed [m/s] and steering [rad] of the last step: what the trucks made of it."""
+        return self._units.actual()
 
     def action_space(self, agent: str) -> spaces.Box:
         """Return the space of an agent's actions."""

@@ -136,6 +136,11 @@ class DecisionProcess:
         """Leave out what is compiled: a copy asks for it again."""
         return self.__dict__ | {"_compiled": {}, "_held": ()}
 
+    @property
+    def command(self) -> np.ndarray:
+        """(2, N, W) what was commanded last: speed [m/s], steering [rad]; void for who waits."""
+        return self._buffers.command
+
     def set_reward(self, reward: Any) -> None:
         """Change the weights of the reward from the next action on.
 

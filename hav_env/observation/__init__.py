@@ -10,14 +10,14 @@ from hav_env.observation.layout import (
     FIRST_OF_ROUTE,
     FIRST_OF_UNITS,
     Observation,
+    behind_units,
     check_observation,
-    first_of_neighbors,
     list_columns,
     name_columns,
     settle,
 )
 from hav_env.observation.neighbors import observe_neighbors
-from hav_env.observation.own import observe_itself
+from hav_env.observation.own import MOTION, observe_itself, observe_motion
 from hav_env.observation.route import observe_route, plan_route
 from hav_env.observation.rows import write_rows
 from hav_env.observation.scratch import SCRATCH_ROWS, Scratch
@@ -39,6 +39,9 @@ __all__ = [
 ]
 
 
+_NUM_MOTION = len(MOTION)
+
+
 @kernel
 def observe(observation, world, agent, scratch, columns):
     """Write what a HAV sees in every lane of a block of worlds.
@@ -52,6 +55,9 @@ def observe(observation, world, agent, scratch, columns):
     """
     observe_route(world, scratch, columns, FIRST_OF_ROUTE)
     observe_itself(world, agent, scratch, columns, FIRST_OF_UNITS)
+    first = behind_units(world.state.heading.shape[1] - 1)
+    if observation.motion:
+        observe_motion(world, agent, columns, first)
+        first += _NUM_MOTION
     if observation.neighbors > 0:
-        first = first_of_neighbors(world.state.heading.shape[1] - 1)
         observe_neighbors(observation, world, agent, scratch, columns, first)

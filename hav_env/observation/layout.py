@@ -7,7 +7,7 @@ from hav_env.models.checks import check_value
 from hav_env.models.quantities import Neighbors
 from hav_env.observation import neighbors as of_neighbors
 from hav_env.observation.columns import Column
-from hav_env.observation.own import ITSELF, count_unit_columns, unit_columns
+from hav_env.observation.own import ITSELF, MOTION, count_unit_columns, unit_columns
 from hav_env.observation.route import ROUTE
 
 OWN = tuple(column.name for column in (*ITSELF, *ROUTE))
@@ -24,6 +24,8 @@ class Observation(NamedTuple):
     """Add the lengths and articulations of the neighbours' trailers."""
     fronts: bool = False
     """Add the neighbours' speeds, and what is near the fronts of trucks: with them HAVs collide."""
+    motion: bool = False
+    """Add the own speed and steering, for trucks that do not do at once what is commanded."""
 
 
 def check_observation(observation: Observation) -> None:
@@ -39,12 +41,14 @@ def check_observation(observation: Observation) -> None:
 def settle(observation: Observation, num_havs: int) -> Observation:
     """Return the observation with no more neighbours than there are."""
     neighbors = min(observation.neighbors, num_havs - 1)
-    return observation._replace(neighbors=neighbors) if neighbors > 0 else Observation(neighbors=0)
+    nobody = Observation(neighbors=0, motion=observation.motion)
+    return observation._replace(neighbors=neighbors) if neighbors > 0 else nobody
 
 
 def list_columns(observation: Observation, max_trailers: int) -> tuple[Column, ...]:
     """Return the columns of a settled observation, in their order."""
-    found = [*ITSELF, *ROUTE, *unit_columns(max_trailers)]
+    motion = MOTION if observation.motion else ()
+    found = [*ITSELF, *ROUTE, *unit_columns(max_trailers), *motion]
     one = of_neighbors.neighbor_columns(observation.chains, observation.fronts, max_trailers)
     for k in range(observation.neighbors):
         found += [column._replace(name=f"neighbor_{k}_{column.name}") for column in one]
@@ -57,6 +61,6 @@ def name_columns(observation: Observation, max_trailers: int) -> tuple[str, ...]
 
 
 @kernel
-def first_of_neighbors(max_trailers):
-    """Return the first column of the neighbours."""
+def behind_units(max_trailers):
+    """Return the first column behind those of the units."""
     return FIRST_OF_UNITS + count_unit_columns(max_trailers)

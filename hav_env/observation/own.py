@@ -36,6 +36,8 @@ from hav_env.world.sensing import (
     limits,
     num_trailers,
     own_footprint,
+    own_speed,
+    own_steering,
     unit_length,
     waits,
 )
@@ -55,7 +57,8 @@ ITSELF = (
     *place_columns("approach_"),
 )
 JOINT = direction_columns("articulation")  # of each joint
-_OWN_AT, _JOINT_AT = places_of(ITSELF), places_of(JOINT)
+MOTION = (Column("speed"), Column("steering", low=-1.0))
+_OWN_AT, _JOINT_AT, _MOTION_AT = places_of(ITSELF), places_of(JOINT), places_of(MOTION)
 
 
 def unit_columns(max_trailers: int) -> list[Column]:
@@ -157,3 +160,14 @@ def _observe_joints(world, agent, columns, first):
         _, _, limit = limits(world, agent, lane)
         largest = single(columns[_OWN_AT.largest_articulation, lane])
         columns[_OWN_AT.largest_articulation, lane] = _share_of(largest, single(limit))
+
+
+@kernel
+def observe_motion(world, agent, columns, first):
+    """Write speed and steering as shares of the limits, from column ``first`` on."""
+    for lane in range(world.lanes):
+        speed, steering, _ = limits(world, agent, lane)
+        share = own_speed(world, agent, lane) / speed
+        columns[first + _MOTION_AT.speed, lane] = min(share, 1.0)
+        turn = own_steering(world, agent, lane) / steering
+        columns[first + _MOTION_AT.steering, lane] = clip(turn, -1.0, 1.0)

@@ -14,6 +14,8 @@ from hav_env.rendering.scene import (
     distance_shown,
     goals_shown,
     harms_of,
+    lags_behind,
+    motion_shown,
 )
 from hav_env.world.event_table import HARM
 
@@ -34,7 +36,8 @@ def draw_overlay(canvas: Canvas, camera: Camera, scene: Scene, history: History)
     if sidebar_width(canvas.size) > 0:
         bottom = _draw_clock(canvas, scene)
         if len(scene.x) <= _LISTED:
-            _draw_list(canvas, scene, bottom + _EDGE)
+            bottom = _draw_list(canvas, scene, bottom + _EDGE)
+            _draw_motion(canvas, scene, bottom + _EDGE)
         _draw_events(canvas, history)
     _draw_scale_bar(canvas, camera)
 
@@ -56,9 +59,14 @@ def _draw_clock(canvas: Canvas, scene: Scene) -> float:
     return _EDGE + height
 
 
-def _draw_list(canvas: Canvas, scene: Scene, top: float) -> None:
-    """Write for each HAV how far its goal is, and show its largest bend beside the limit."""
-    canvas.panel(_EDGE, top, _PANEL, 2 * _EDGE + _LINE * len(scene.x) - 4)
+def _draw_list(canvas: Canvas, scene: Scene, top: float) -> float:
+    """Write for each HAV how far its goal is, and show its largest bend beside the limit.
+
+    Returns:
+        Where the panel ends.
+    """
+    height = 2 * _EDGE + _LINE * len(scene.x) - 4
+    canvas.panel(_EDGE, top, _PANEL, height)
     for hav in range(len(scene.x)):
         middle = top + _EDGE + _LINE * (hav + 0.5) - 2
         gone = scene.removed[hav]
@@ -71,6 +79,18 @@ def _draw_list(canvas: Canvas, scene: Scene, top: float) -> None:
             share = float(bend / scene.articulation_max[hav])
             canvas.bar(_PANEL - 46, middle - 3, 46, 6, PALE)
             canvas.bar(_PANEL - 46, middle - 3, 46 * min(share, 1.0), 6, color_of_bend(share))
+    return top + height
+
+
+def _draw_motion(canvas: Canvas, scene: Scene, top: float) -> None:
+    """Write what is driven of what was commanded, for HAVs in which that differs."""
+    lagging = [hav for hav in range(len(scene.x)) if lags_behind(scene, hav)]
+    if lagging:
+        canvas.panel(_EDGE, top, _PANEL, 2 * _EDGE + _LINE * len(lagging) - 4)
+    for line, hav in enumerate(lagging):
+        middle = top + _EDGE + _LINE * (line + 0.5) - 2
+        canvas.dot((2 * _EDGE + 6, middle), 5.5, color_of(hav))
+        canvas.text(motion_shown(scene, hav), (2 * _EDGE + 20, middle), 14, INK, "midleft")
 
 
 _HARM_COLORS = {event.state: EVENT_COLORS[event.color] for event in HARM}

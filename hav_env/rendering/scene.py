@@ -44,9 +44,16 @@ class Scene(NamedTuple):
     happened: np.ndarray  # (N, E) bool: each of ``EVENTS``, ever
     potential: np.ndarray  # (N,) bool: in potential collision now, footprints overlap
     evaded: np.ndarray  # (N,) number of the HAV that it evades now, -1 for none or unknown
+    command: np.ndarray | None = None  # (N, 2) commanded speed [m/s], steering [rad], if known
 
 
-def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None) -> Scene:
+def scene_of(
+    worlds: World,
+    w: int,
+    dt: float,
+    evaded: np.ndarray | None = None,
+    command: np.ndarray | None = None,
+) -> Scene:
     """Return the scene of one world; its arrays are copies.
 
     Args:
@@ -55,6 +62,7 @@ def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None)
         dt: duration of a step [s].
         evaded: (N,) number of the HAV that each one evades, -1 for none; None when unknown. The
             scene ignores HAVs that wait, since they decide nothing.
+        command: (N, 2) speed [m/s] and steering [rad] that were commanded; None when unknown.
     """
     state, fleet, record = worlds.state, worlds.fleet, worlds.record
     x, y = state.x[:, w].copy(), state.y[:, w].copy()
@@ -81,6 +89,7 @@ def scene_of(worlds: World, w: int, dt: float, evaded: np.ndarray | None = None)
         happened=np.stack([happened(record.first[..., w], event) for event in EVENTS], axis=1),
         potential=find_potential(x, y, footprint, ~removed),
         evaded=np.where(waiting | removed, -1, known),
+        command=command,
     )
 
 
@@ -128,6 +137,26 @@ def distance_shown(scene: Scene, hav: int) -> float:
     return float(np.hypot(scene.goal[hav, 0] - scene.x[hav], scene.goal[hav, 1] - scene.y[hav]))
 
 
+def lags_behind(scene: Scene, hav: int) -> bool:
+    """Tell whether a HAV visibly does something else than was commanded; one that waits does not.
+
+    By its speed, or by its steering: its actuators are limited, or the command is beyond limits.
+    """
+    if scene.command is None or scene.waiting[hav] or scene.removed[hav]:
+        return False
+    speed, steering = scene.command[hav]
+    slow = abs(speed - scene.speed[hav]) > _VISIBLE_SPEED
+    return slow or abs(steering - scene.steering[hav]) > _VISIBLE_STEERING
+
+
+def motion_shown(scene: Scene, hav: int) -> str:
+    """Say how a HAV drives, beside what was commanded."""
+    assert scene.command is not None
+    speed, steering = scene.command[hav]
+    turned, wanted = np.degrees([scene.steering[hav], steering])
+    return f"{scene.speed[hav]:.1f} of {speed:.1f} m/s, {turned:.0f} of {wanted:.0f} deg"
+
+
 def goals_shown(scene: Scene) -> str:
     """Return which goals are under way, from 1: one number, or the least and the greatest."""
     least, most = scene.phase.min() + 1, scene.phase.max() + 1
@@ -146,6 +175,7 @@ def count_flags(scene: Scene) -> dict[str, int]:
     return {name: int(np.count_nonzero(flag)) for name, flag in flags.items()}
 
 
+_VISIBLE_SPEED, _VISIBLE_STEERING = 0.05, 0.01  # [m/s, rad]: what is less is not written
 _MOST_DESCRIBED = 5  # HAVs that are told of one by one
 _DIRECTIONS = (
     *("ahead", "ahead-left", "left", "behind-left"),
@@ -183,4 +213,5 @@ def _describe_hav(scene: Scene, hav: int) -> str:
         f"evades hav_{scene.evaded[hav]}": scene.evaded[hav] >= 0,
     }
     told += [name for name, holds in states.items() if holds]
+    told += [f"drives {motion_shown(scene, hav)}"] if lags_behind(scene, hav) else []
     return ", ".join([*told, *(event.state for event in harms_of(scene, hav))])

@@ -76,7 +76,16 @@ VEHICLES = Registry(
     },
 )
 
+ACTUATORS = Registry(
+    "actuators",
+    "hav_env.actuators",
+    actuate.table.__contains__,
+    "register it with actuate.register",
+    {"instant": Instant, "limited": Limited},
+)
+
 __all__ = [
+    "ACTUATORS",
     "COMBINATIONS",
     "VEHICLES",
     "Combination",

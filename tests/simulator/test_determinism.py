@@ -11,7 +11,7 @@ from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.dubins_pursuit import DubinsPursuit
 from baselines.policies.random import Random
 from baselines.policies.reserve import Reserve
-from hav_env import Batch, RandomPoses, Task, explicit
+from hav_env import Batch, Limited, OnAxle, RandomPoses, Task, explicit
 from hav_env.compiled import default_threads
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.evaluation.rollout import rollout
@@ -67,9 +67,9 @@ TOGETHER = explicit(  # goals are hit at different times, then all go on; the ne
 )
 
 
-def python_loop(policy, scenario, seed, episode, task):
+def python_loop(policy, scenario, seed, episode, task, vehicle=OnAxle()):
     """Run an episode as a caller of the public functions would."""
-    batch = Batch(scenario, 1, task)
+    batch = Batch(scenario, 1, task, vehicle)
     batch.reset(seed, np.array([episode]))
     state = batch.worlds.state
     start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)
@@ -97,6 +97,19 @@ def test_a_rollout_is_that_loop_when_somebody_waits(policy):
     moving, steps = table["moving_steps"].to_pylist(), table["steps"].to_pylist()
     assert min(moving) < min(steps)  # somebody has waited
     assert text(table) == text(python_loop(policy, TOGETHER, 5, 0, task))
+
+
+@pytest.mark.parametrize("rules", [{}, {"next_goal": "alone"}, {"on_goal": "remove"}], ids=str)
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_rollout_is_that_loop_when_havs_brake_at_their_goals(rules, threads):
+    task, braking = Task(max_steps=budget(600, 200), **rules), OnAxle(actuators=Limited(0.5, 0.2))
+    policy = Weaving(gain=0.02)
+    table = rollout(policy, TOGETHER, 5, np.arange(40), task, braking, threads)
+    alone = python_loop(policy, TOGETHER, 5, 0, task, braking)
+    assert text(table.slice(0, 3)) == text(alone)
+    assert max(table["goal_1_hit"].to_pylist())
+    at_once = python_loop(policy, TOGETHER, 5, 0, task)
+    assert text(alone.select(["path_length"])) != text(at_once.select(["path_length"]))
 
 
 def test_a_rollout_is_that_loop_over_many_worlds():
@@ -148,6 +161,11 @@ for policy in (AvoidJack(), DubinsPursuit(), Random()):
     for num_havs, episodes, steps in ((1, 3, 400), (2, 2, 400), (20, 1, 30)):
         scenario, task = RandomPoses(num_havs=num_havs), Task(max_steps=steps)
         print(repr(rollout(policy, scenario, 21, np.arange(episodes), task).to_pydict()))
+limited = OnAxle(actuators=Limited())
+for num_havs, episodes, steps in ((1, 2, 300), (3, 1, 150)):
+    scenario, task = RandomPoses(num_havs=num_havs, area_factor=2.0), Task(max_steps=steps)
+    table = rollout(AvoidJack(), scenario, 21, np.arange(episodes), task, limited)
+    print(repr(table.to_pydict()))
 other = AvoidJack(evasion_truck_share=0.5, evasion_center=0.5, evasion_clipped=True)
 task = Task(max_steps=150, order="in_turn", record_every=4, potential_center=0.5)
 for policy in (other, other._replace(evasion_from_center=True)):

@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
-from hav_env import Observation, RandomPoses, parallel_env
+from hav_env import Limited, Observation, OnAxle, RandomPoses, parallel_env
 from tests.support.budgets import budget
 
 NUM_HAVS = 4
+VEHICLES = pytest.mark.parametrize(
+    "vehicle", [OnAxle(), OnAxle(actuators=Limited())], ids=["instant", "limited"]
+)
 
 
 def written_down(seed):
@@ -42,14 +45,15 @@ def reordered(options, order):
     }
 
 
-def play(options, order, steps):
+def play(options, order, steps, vehicle):
     """Return observations, rewards and numbers of info, in the order of the HAVs as written.
 
     The HAV that stands at place p of the options takes the actions of HAV order[p].
     """
     env = parallel_env(
         scenario=RandomPoses(num_havs=NUM_HAVS),
-        observation=Observation(neighbors=NUM_HAVS - 1, chains=True),
+        observation=Observation(neighbors=NUM_HAVS - 1, chains=True, motion=True),
+        vehicle=vehicle,
     )
     rng = np.random.default_rng(9)
     actions = rng.uniform(-1, 1, (steps, NUM_HAVS, 2))
@@ -71,24 +75,26 @@ def play(options, order, steps):
     return np.array(seen), np.array(rewards), numbers, named
 
 
+@VEHICLES
 @pytest.mark.parametrize("order", [[1, 0, 2, 3], [3, 2, 1, 0], [2, 3, 0, 1], [1, 2, 3, 0]])
 @pytest.mark.parametrize("seed", range(budget(5, 1)))
-def test_who_comes_first_does_not_matter(order, seed):
+def test_who_comes_first_does_not_matter(order, seed, vehicle):
     options, steps = written_down(seed), budget(400, 10)
-    plain = play(options, [0, 1, 2, 3], steps)
-    other = play(reordered(options, order), order, steps)
+    plain = play(options, [0, 1, 2, 3], steps, vehicle)
+    other = play(reordered(options, order), order, steps, vehicle)
     for one, two in zip(plain, other, strict=True):
         assert np.abs(two - one).max() <= 1e-6
 
 
+@VEHICLES
 @pytest.mark.parametrize(
     ("shift", "turn"), [(0j, 2.5), (300 - 700j, 0.0), (-40 + 90j, -1.1), (0j, np.pi)]
 )
 @pytest.mark.parametrize("seed", range(budget(5, 1)))
-def test_where_the_world_lies_does_not_matter(shift, turn, seed):
+def test_where_the_world_lies_does_not_matter(shift, turn, seed, vehicle):
     options, steps = written_down(seed), budget(400, 10)
-    plain = play(options, [0, 1, 2, 3], steps)
-    other = play(moved(options, shift, turn), [0, 1, 2, 3], steps)
+    plain = play(options, [0, 1, 2, 3], steps, vehicle)
+    other = play(moved(options, shift, turn), [0, 1, 2, 3], steps, vehicle)
     for one, two in zip(plain, other, strict=True):
         assert np.abs(two - one).max() <= 1e-6
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import pytest
 
-from hav_env import OnAxle, Reward
+from hav_env import Limited, OnAxle, Reward
 from hav_env.mdp.reward import harm_terms, reward_terms
 from hav_env.vehicles import move
 from hav_env.vehicles.on_axle import move_on_axle
@@ -77,6 +77,11 @@ def test_a_reward_may_name_what_is_harm():
         (["--reward", f"{HERE}:Arrival", "--reward.late", "-3"], Arrival(late=-3.0), OnAxle()),
         (["--vehicle", f"{HERE}:Lame", "--vehicle.substeps", "2"], None, Lame(2)),
         (["--vehicle", "on_axle", "--vehicle.simultaneous"], None, OnAxle(simultaneous=True)),
+        (
+            ["--vehicle", "limited", "--vehicle.actuators.braking", "3"],
+            None,
+            OnAxle(actuators=Limited(braking=3.0)),
+        ),
     ],
     ids=str,
 )
@@ -91,6 +96,8 @@ def test_models_are_options_and_so_are_their_parameters(options, reward, vehicle
     assert again == arguments
     assert type(again.reward) is type(arguments.reward)
     assert type(again.vehicle) is type(vehicle)
+    if isinstance(vehicle, OnAxle):
+        assert type(again.vehicle.actuators) is type(vehicle.actuators)
 
 
 def test_a_training_with_models_of_ones_own_ends_and_goes_on(tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from baselines.policies.avoid_jack import AvoidJack
-from hav_env import Batch, RandomFleet, RandomPoses, Task, find_scenario
+from hav_env import Batch, Limited, OnAxle, RandomFleet, RandomPoses, Task, find_scenario
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.evaluation.rollout import rollout
 from hav_env.policies.interface import allocate_memory, decide
@@ -35,9 +35,9 @@ def actions(num_havs):
     return np.moveaxis(np.random.default_rng(8).uniform(low, high, shape), -1, 1)
 
 
-def driven(num_havs, episodes, threads=1):
+def driven(num_havs, episodes, threads=1, vehicle=OnAxle()):
     """Return a batch of these episodes after STEPS of their actions."""
-    batch = Batch(eventful(num_havs), len(episodes), TASK, threads=threads)
+    batch = Batch(eventful(num_havs), len(episodes), TASK, vehicle, threads)
     batch.reset(8, np.array(episodes))
     for speed, steering in actions(num_havs)[..., episodes]:
         batch.step(speed, steering)
@@ -46,8 +46,8 @@ def driven(num_havs, episodes, threads=1):
 
 
 @functools.cache
-def driven_alone(num_havs, episode):
-    return bits(driven(num_havs, [episode]).worlds)
+def driven_alone(num_havs, episode, vehicle=OnAxle()):
+    return bits(driven(num_havs, [episode], vehicle=vehicle).worlds)
 
 
 @pytest.mark.parametrize("num_worlds", budget((1, 5, 127, 128, 129, MOST), (1, 5, 20)))
@@ -57,6 +57,18 @@ def test_a_world_in_a_batch_is_the_world_alone(num_worlds, num_havs, threads):
     batch = driven(num_havs, range(num_worlds), threads)
     for w in range(num_worlds):
         assert bits(batch.worlds, w) == driven_alone(num_havs, w), w
+
+
+@pytest.mark.parametrize("num_worlds", budget((5, 129), (5,)))
+@pytest.mark.parametrize("num_havs", [1, 3])
+def test_a_world_of_havs_that_brake_is_the_world_alone(num_worlds, num_havs):
+    # the brakes are so weak that HAVs still roll when the others stand
+    vehicle = OnAxle(actuators=Limited(acceleration=0.2, braking=0.05))
+    batch = driven(num_havs, range(num_worlds), vehicle=vehicle)
+    rolls = batch.worlds.state.waiting & (batch.worlds.state.speed > 0.0)
+    assert num_worlds < 100 or num_havs == 1 or 0.01 < rolls.mean() < 0.9
+    for w in range(num_worlds):
+        assert bits(batch.worlds, w) == driven_alone(num_havs, w, vehicle), w
 
 
 def test_much_happens_in_these_worlds():

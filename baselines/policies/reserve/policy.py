@@ -92,7 +92,12 @@ def _(policy: Reserve, scenario) -> None:
 @check_rules.register
 def _(policy: Reserve, scenario, task, vehicle) -> None:
     if vehicle != OnAxle():
-        raise ValueError(f"vehicle is {vehicle}, but Reserve predicts every step of {OnAxle()}")
+        raise ValueError(f"vehicle is {vehicle}, but Reserve has its proof for {OnAxle()} alone")
+    if task.goal_speed < scenario.fleet.speed_max:
+        raise ValueError(
+            f"task goal_speed is {task.goal_speed}, but must be at least speed_max,"
+            f" {scenario.fleet.speed_max}: Reserve drives to its goals at full speed"
+        )
     for field in ("dt", "distance_tolerance", "heading_tolerance"):
         value, rule = getattr(policy, field), getattr(task, field)
         if value != rule:

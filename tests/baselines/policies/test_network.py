@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 import torch
 
-from hav_env import Batch, Observation, RandomFleet, RandomPoses
+from baselines.policies.network import pack_layers
+from hav_env import Batch, Limited, Observation, OnAxle, RandomFleet, RandomPoses, Task
 from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.evaluation.rollout import rollout
 from hav_env.mdp.advance import to_command
 from hav_env.mdp.decision_process import DecisionProcess
+from hav_env.observation import name_columns
 from hav_env.policies.driver import PolicyDriver
 from hav_env.policies.interface import allocate_memory, check_policy, decide
 from hav_env.world.arrays import SPEED, STEERING
@@ -181,3 +183,23 @@ def test_chains_that_are_not_observed_are_named():
         check_policy(policy, PAIR)
     with pytest.raises(ValueError, match=r"observe 1 neighbors with chains .* offers 0 neighbors"):
         check_policy(policy, SINGLE)
+
+
+def test_a_network_that_does_not_observe_its_motion_drives_instant_trucks_alone():
+    policy, limited = random_network(), OnAxle(actuators=Limited())
+    check_policy(policy, SINGLE, vehicle=OnAxle())
+    with pytest.raises(ValueError, match="but the policy was trained for instant actuators"):
+        check_policy(policy, SINGLE, vehicle=limited)
+    seen = Observation(0, motion=True)
+    columns = len(name_columns(seen, SINGLE.max_trailers))
+    layers = [(np.full((2, columns), 0.01), np.zeros(2))]
+    sizes, weights = pack_layers(layers)
+    aware = policy._replace(
+        observation=seen,
+        sizes=sizes,
+        weights=weights,
+        mean=np.zeros(columns),
+        scale=np.ones(columns),
+    )
+    table = rollout(aware, SINGLE, 0, np.arange(2), Task(max_steps=budget(200, 5)), limited)
+    assert min(table["path_length"].to_pylist()) > 0.0

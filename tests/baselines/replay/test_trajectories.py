@@ -6,7 +6,7 @@ import pytest
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.replay import recording
 from baselines.replay.trajectory import chain_points, record_trajectory
-from hav_env import RandomPoses, Task
+from hav_env import Limited, OnAxle, RandomPoses, Task
 from hav_env.evaluation.rollout import rollout
 from tests.support.budgets import budget
 
@@ -80,3 +80,22 @@ def test_chunks_do_not_show(monkeypatch):
     pieces = record_trajectory(AvoidJack(), SCENARIO, 4, 7, TASK, every=3)
     for one, other in zip(whole, pieces, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("vehicle", [OnAxle(), OnAxle(actuators=Limited(0.3, 0.1, 0.1))])
+def test_the_recorded_motion_is_what_was_driven(vehicle):
+    """Whatever was decided, these speeds and angles move the truck; a HAV at its goal may roll."""
+    task = TASK._replace(max_steps=budget(4_000, 300))
+    kept = record_trajectory(AvoidJack(), SCENARIO, 4, 5, task, vehicle)
+    table = rollout(AvoidJack(), SCENARIO, 4, np.array([5]), task, vehicle)
+    speed, steering = kept.motion[:-1, :, 0], kept.motion[:-1, :, 1]
+    turn = speed * np.tan(steering) / kept.length[:, 0] * task.dt
+    heading = kept.heading[:, :, 0]
+    np.testing.assert_allclose(np.diff(heading, axis=0), turn, rtol=0, atol=1e-9)
+    ahead = speed * task.dt
+    np.testing.assert_allclose(np.diff(kept.x, axis=0), ahead * np.cos(heading[1:]), atol=1e-7)
+    np.testing.assert_allclose(ahead.sum(axis=0), table["path_length"].to_numpy())
+    as_decided = np.array_equal(speed, kept.speed[:-1])
+    assert as_decided == (vehicle == OnAxle())
+    rolled = (speed > 0.0) & kept.waiting[:-1]
+    assert rolled.any() == (vehicle != OnAxle()) or not kept.waiting[:-1].any()

@@ -95,7 +95,7 @@ def test_every_cut_and_every_flipped_byte_is_noticed(trajectory, tmp_path):
     ("changes", "message"),
     [
         ({"kind": "another"}, "another kind"),
-        ({"version": 3}, "version 3"),
+        ({"version": 2}, "version 2"),
         ({"x": np.zeros((3, 2))}, "'x' is float64 of shape"),
         ({"x": np.array(["a"])}, "'x' is <U1"),
         ({"dt": 0.0}, "duration"),
@@ -112,7 +112,7 @@ def test_every_cut_and_every_flipped_byte_is_noticed(trajectory, tmp_path):
 )
 def test_contents_that_no_episode_has_are_named(changes, message, trajectory, tmp_path):
     path = tmp_path / "odd.npz"
-    fields = {"kind": "hav_env trajectory", "version": 2, **trajectory._asdict(), **changes}
+    fields = {"kind": "hav_env trajectory", "version": 3, **trajectory._asdict(), **changes}
     np.savez_compressed(path, **fields)
     with pytest.raises(ValueError, match=message):
         load_trajectory(path)
@@ -124,7 +124,7 @@ def test_a_foreign_archive_and_a_missing_field_are_named(trajectory, tmp_path):
         archive.writestr("letter.txt", "hello")
     with pytest.raises(ValueError, match="another kind"):
         load_trajectory(path)
-    fields = {"kind": "hav_env trajectory", "version": 2, **trajectory._asdict()}
+    fields = {"kind": "hav_env trajectory", "version": 3, **trajectory._asdict()}
     del fields["evaded"]
     np.savez(path, **fields)
     with pytest.raises(ValueError, match="'evaded' is missing"):

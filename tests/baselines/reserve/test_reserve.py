@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from baselines.policies.reserve import Reserve
-from hav_env import Batch, OnAxle, RandomFleet, RandomPoses, Task, explicit
+from hav_env import Batch, Limited, OnAxle, RandomFleet, RandomPoses, Task, explicit
 from hav_env.evaluation.rollout import rollout
 from hav_env.policies.driver import PolicyDriver
 from hav_env.policies.interface import check_policy
@@ -35,7 +35,9 @@ def test_a_hav_that_is_alone_arrives_at_both_goals_and_never_jackknifes():
         (Task(distance_tolerance=0.2), OnAxle(), "policy distance_tolerance is 0.5, but must be"),
         (Task(distance_tolerance=1.0), OnAxle(), "policy distance_tolerance is 0.5, but must be"),
         (Task(heading_tolerance=0.05), OnAxle(), "policy heading_tolerance is 0.1, but must be"),
-        (Task(), OnAxle(simultaneous=True), "but Reserve predicts every step of OnAxle"),
+        (Task(), OnAxle(simultaneous=True), "but Reserve has its proof for OnAxle"),
+        (Task(), OnAxle(actuators=Limited()), "but Reserve has its proof for OnAxle"),
+        (Task(goal_speed=0.9), OnAxle(), "task goal_speed is 0.9, but must be at least speed_max"),
     ],
 )
 def test_rules_that_it_does_not_know_are_refused(task, vehicle, said):
