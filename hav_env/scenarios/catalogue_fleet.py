@@ -38,7 +38,7 @@ class CatalogueFleet(NamedTuple):
     steering_max: Steering
     """Largest steering angle of any vehicle [rad]."""
     articulation_max: Articulation
-    """Largest articulation of any joint [rad]."""
+    """Least limit of the joints of all vehicles [rad]: a policy that keeps below it keeps all."""
     num_trailers: Table
     """(V,) numbers of trailers."""
     length: Table
@@ -107,7 +107,7 @@ def catalogue_fleet(
         float(length[np.isfinite(length)].max()),
         float(speed.max()),
         float(steering.max()),
-        float(limit.max()),
+        min(unit.articulation_max for kind in kinds for unit in kind.units[1:]),
         np.array([len(kind.units) - 1 for kind in kinds]),
         length,
         offset,
