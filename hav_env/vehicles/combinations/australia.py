@@ -11,7 +11,7 @@ _FRONT = _NHVR(1.4, "within an arc of 1.9 m round the kingpin")
 
 B_DOUBLE = combine(
     "b-double",
-    "Australian B-double, 26 m",
+    "Australian B-double",
     Truck(
         length=assumed(4.6, "to the middle of two rear axles"),
         half_width=_HALF,
