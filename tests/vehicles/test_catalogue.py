@@ -50,7 +50,7 @@ def test_each_number_has_one_origin_and_is_in_its_range(name):
         expected += [f"units[{place}].{field}" for field in vehicle.units[place]._fields]
     fields = [origin.field for origin in vehicle.origins]
     assert sorted(fields) == sorted([*expected, *LIMITS])
-    assert all(origin.source for origin in vehicle.origins)
+    assert all(origin.source or origin.note for origin in vehicle.origins)
     assert vehicle.assumed == {origin.field for origin in vehicle.origins if origin.assumed}
     check_fields("vehicle", vehicle)
     for unit in vehicle.units:
@@ -76,6 +76,7 @@ def test_bodies_follow_each_other_without_reaching_into_the_next_trailer():
         for place, unit in enumerate(vehicle.units):
             end = axle - unit.hitch if place else unit.length
             axle = end - unit.length
+            assert vehicle.straight_ends[place] == pytest.approx((end, axle)), name
             spans.append((end + unit.front, axle - unit.rear))
         for ahead, behind in zip(spans, spans[2:], strict=False):
             assert ahead[1] >= behind[0] - 1e-9, name
@@ -117,7 +118,8 @@ def test_a_vehicle_of_your_own_goes_by_module_and_name(monkeypatch):
     monkeypatch.setitem(sys.modules, "own_vehicles", own)
     found = catalogue("own_vehicles:MINE")
     assert isinstance(found, Combination)
-    assert found.origins[1] == ("units[0].half_width", "a drawing: half of 2 m", False)
+    assert found.origins[1] == ("units[0].half_width", "a drawing", "half of 2 m")
+    assert found.origins[2] == ("units[0].front", "", "usual")
     assert "units[0].front" in found.assumed
     assert found.overall_length == pytest.approx(9.0)
     own.MINE = 3

@@ -2,12 +2,13 @@
 
 A vehicle is a ``Combination`` of numbers. Each number stands beside its source, or beside the
 reason for which it is assumed. A package of your own adds vehicles by entry points in the group
-``hav_env.combinations``.
+``hav_env.combinations``, or in JSON files.
 """
 
 from hav_env.models.names import Registry
 from hav_env.vehicles.combinations import australia, europe, north_america, yards
 from hav_env.vehicles.combinations.combination import Combination, Origin, Unit
+from hav_env.vehicles.combinations.written import load_combination, read_combination
 
 _BUILT_IN = (
     *(europe.SEMI_TRAILER, europe.LONG_SEMI_TRAILER, europe.TRUCK_AND_TRAILER),
@@ -23,6 +24,7 @@ COMBINATIONS = Registry(
     lambda model_class: model_class is Combination,
     "it must be a hav_env.vehicles.Combination",
     {combination.name: combination for combination in _BUILT_IN},
+    {".json": load_combination},
 )
 
 
@@ -31,7 +33,7 @@ def catalogue(name: str) -> Combination:
 
     Args:
         name: such as ``"wb-67"``; ``COMBINATIONS.names()`` has all. ``module:NAME`` is a vehicle of
-            your own.
+            your own, and so is the path of a JSON file (``vehicle.schema.json``).
 
     Raises:
         TypeError: when the name is no text.
@@ -40,4 +42,12 @@ def catalogue(name: str) -> Combination:
     return COMBINATIONS.find(name)
 
 
-__all__ = ["COMBINATIONS", "Combination", "Origin", "Unit", "catalogue"]
+__all__ = [
+    "COMBINATIONS",
+    "Combination",
+    "Origin",
+    "Unit",
+    "catalogue",
+    "load_combination",
+    "read_combination",
+]

@@ -38,9 +38,14 @@ class Origin(NamedTuple):
     field: str
     """Name of the number, such as ``units[1].length`` or ``speed_max``."""
     source: str
-    """Source of the number, or the reason for an assumption."""
-    assumed: bool
-    """True where no source was seen."""
+    """Source that was seen; empty where the number is an assumption."""
+    note: str
+    """How the number follows from what stands in the source, or why it is assumed."""
+
+    @property
+    def assumed(self) -> bool:
+        """Whether no source was seen."""
+        return not self.source
 
 
 class Combination(NamedTuple):
@@ -90,15 +95,24 @@ class Combination(NamedTuple):
         return half_widths, fronts, rears
 
     @property
+    def straight_ends(self) -> tuple[tuple[float, float], ...]:
+        """Front end and axle of each unit of the straight vehicle [m], from the truck's rear axle.
+
+        The front end is the truck's front axle, or the trailer's hitch.
+        """
+        ends: list[tuple[float, float]] = []
+        for unit in self.units:
+            front_end = ends[-1][1] - unit.hitch if ends else unit.length
+            ends.append((front_end, front_end - unit.length))
+        return tuple(ends)
+
+    @property
     def overall_length(self) -> float:
         """Length of the straight vehicle, from its foremost to its rearmost point [m]."""
-        ahead, behind, axle = [], [], 0.0
-        for place, unit in enumerate(self.units):
-            front_end = axle - unit.hitch if place else unit.length
-            axle = front_end - unit.length
-            ahead.append(front_end + unit.front)
-            behind.append(axle - unit.rear)
-        return max(ahead) - min(behind)
+        ends = self.straight_ends
+        foremost = max(end + unit.front for unit, (end, _) in zip(self.units, ends, strict=True))
+        rearmost = min(axle - unit.rear for unit, (_, axle) in zip(self.units, ends, strict=True))
+        return foremost - rearmost
 
     @property
     def assumed(self) -> frozenset[str]:

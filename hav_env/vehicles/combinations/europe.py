@@ -17,7 +17,7 @@ _HALF = _EU(1.275, "half of 2.55 m, the greatest width")
 
 SEMI_TRAILER = combine(
     "eu-semi-trailer",
-    "EU semi-trailer, 16.5 m",
+    "EU tractor and semi-trailer",
     Truck(
         length=COMMONROAD(3.6, "a + b"),
         half_width=COMMONROAD(1.275, "half of w = 2.55"),
@@ -39,7 +39,7 @@ SEMI_TRAILER = combine(
 
 LONG_SEMI_TRAILER = combine(
     "apollo-semi-trailer",
-    "Semi-trailer of the Apollo planner",
+    "Tractor and semi-trailer of the Apollo planner",
     Truck(
         length=APOLLO(4.5, "wheel_base"),
         half_width=APOLLO(1.275, "half of width = 2.55"),
@@ -66,7 +66,7 @@ LONG_SEMI_TRAILER = combine(
 
 TRUCK_AND_TRAILER = combine(
     "eu-truck-trailer",
-    "EU truck with centre-axle trailer, 18.75 m",
+    "EU truck and centre-axle trailer",
     Truck(
         length=assumed(5.5, "to the middle of two rear axles"),
         half_width=_HALF,
@@ -88,7 +88,7 @@ TRUCK_AND_TRAILER = combine(
 
 EUROCOMBI = combine(
     "eurocombi",
-    "EuroCombi, 25.25 m: truck, dolly, semi-trailer",
+    "EuroCombi: truck, dolly, semi-trailer",
     Truck(
         length=_NORDIC(5.5, "to the middle of the axles at 4.8 and 6.2"),
         half_width=_HALF,

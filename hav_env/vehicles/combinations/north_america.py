@@ -21,7 +21,7 @@ _STEERING_RATE = assumed(math.radians(2 * 28.4 / 6.0), _LOCK_TO_LOCK)
 
 WB_67 = combine(
     "wb-67",
-    "WB-67: tractor and 53 ft semi-trailer",
+    "AASHTO: tractor and 53 ft semi-trailer",
     Truck(
         length=_GREEN_BOOK(6.01, "73.5 ft less overhangs of 4.0 and 4.5 ft and WB2"),
         half_width=_HALF,
@@ -87,17 +87,17 @@ def _double(name: str, title: str, trailers: tuple[Quantity, ...], degrees: floa
 
 
 WB_67D = _double(
-    "wb-67d", "WB-67D: double of 28 ft trailers", (_METRIC(7.0, "WB2"), _METRIC(7.0, "WB3")), 17.7
+    "wb-67d", "AASHTO: double of 28 ft trailers", (_METRIC(7.0, "WB2"), _METRIC(7.0, "WB3")), 17.7
 )
 WB_100T = _double(
     "wb-100t",
-    "WB-100T: triple of 28 ft trailers",
+    "AASHTO: triple of 28 ft trailers",
     (_METRIC(6.9, "WB2"), _METRIC(7.0, "WB3"), _METRIC(7.0, "WB4")),
     16.3,
 )
 WB_109D = combine(
     "wb-109d",
-    "WB-109D: turnpike double of 48 ft trailers",
+    "AASHTO: turnpike double of 48 ft trailers",
     Truck(length=_METRIC(4.4, "WB1"), half_width=_HALF, front=_METRIC(0.7), rear=_TRACTOR_REAR),
     _trailers_on_dollies(
         (_METRIC(12.2, "WB2"), _METRIC(12.2, "WB2; WB3 = 13.6 reaches to the rear end")),

@@ -1,4 +1,7 @@
-"""This module writes down vehicles of the catalogue: no number without its source or a reason."""
+"""This module writes down vehicles of the catalogue: no number without its source or a reason.
+
+``cited`` and ``assumed`` make ``Quantity``, and ``combine`` makes a vehicle of them.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -13,7 +16,7 @@ class Quantity(NamedTuple):
 
     value: float
     source: str
-    assumed: bool
+    note: str
 
 
 class Truck(NamedTuple):
@@ -43,14 +46,14 @@ def cited(source: str) -> Callable[..., Quantity]:
     """
 
     def write(value: float, derived: str = "") -> Quantity:
-        return Quantity(value, f"{source}: {derived}" if derived else source, False)
+        return Quantity(value, source, derived)
 
     return write
 
 
 def assumed(value: float, reason: str) -> Quantity:
     """Write down a number without a source, and why it is plausible."""
-    return Quantity(value, reason, True)
+    return Quantity(value, "", reason)
 
 
 def combine(
@@ -78,9 +81,7 @@ def combine(
         for place, numbers in enumerate(known)
         for field, found in numbers._asdict().items()
     } | limits
-    origins = tuple(
-        Origin(field, found.source, found.assumed) for field, found in quantities.items()
-    )
+    origins = tuple(Origin(field, *found[1:]) for field, found in quantities.items())
     most: dict[str, Any] = {field: found.value for field, found in limits.items()}
     combination = Combination(name, title, tuple(units), origins=origins, **most)
     for place, unit in enumerate(units):

@@ -19,7 +19,7 @@ _DRAWBARS = cited("tractor with drawbar trailers (github.com/nontanan-linux/trac
 
 TERMINAL_TRACTOR = combine(
     "terminal-tractor",
-    "Terminal tractor with a 33 ft semi-trailer",
+    "Terminal tractor and 33 ft semi-trailer",
     Truck(
         length=_OTTAWA(2.95, "116 in"),
         half_width=assumed(1.25, "half of 2.5 m"),
@@ -67,7 +67,7 @@ def _dolly_pair(offset: float, symbol: str) -> tuple[Trailer, Trailer]:
 
 BAGGAGE_TRAIN = combine(
     "baggage-train",
-    "Baggage tractor with five dollies",
+    "Baggage tractor and five dollies",
     Truck(
         length=_DRAWBARS(2.0, "L0"),
         half_width=_BAGGAGE_HALF,
@@ -96,7 +96,7 @@ def _cart(offset: float) -> Trailer:
 
 TUGGER_TRAIN = combine(
     "tugger-train",
-    "Tugger train with four carts",
+    "Tow tractor and four carts",
     Truck(
         length=assumed(1.1, "a stand-on tow tractor"),
         half_width=assumed(0.4, "a stand-on tow tractor"),
@@ -136,7 +136,7 @@ def _wagon(offset: float, written: Callable[[float], Quantity]) -> tuple[Trailer
 
 FARM_TRAIN = combine(
     "farm-train",
-    "Farm tractor with two full trailers",
+    "Farm tractor and two full trailers",
     Truck(
         length=_METRIC(3.1, "WB1 of TR"),
         half_width=_WAGON_HALF,

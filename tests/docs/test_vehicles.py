@@ -1,0 +1,23 @@
+"""The example of docs/vehicles.md runs, and its page names every vehicle."""
+
+import re
+import subprocess
+import sys
+
+from hav_env.vehicles import COMBINATIONS
+from tests.support.paths import ROOT
+
+TEXT = (ROOT / "docs/vehicles.md").read_text()
+
+
+def test_the_example_runs():
+    (block,) = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", block], capture_output=True, text=True, check=True
+    )
+    assert "EuroCombi" in done.stdout
+    assert "25.25" in done.stdout
+
+
+def test_every_vehicle_is_on_the_page():
+    assert set(re.findall(r"^\| `([\w-]+)` \|", TEXT, re.MULTILINE)) == set(COMBINATIONS.names())
