@@ -23,11 +23,11 @@ from hav_env.vehicles import COMBINATIONS
 from hav_env.vehicles.steady_circles import least_radius
 
 # what makes each policy, given the least limit of the joints [rad]; the paper's beta is 5/6 of its
-POLICIES: dict[str, Callable[[float], Policy]] = {
+_MADE: dict[str, Callable[[float], Policy]] = {
     "avoid_jack": lambda limit: AvoidJack(beta=limit * 5 / 6),
     "dubins_pursuit": lambda limit: DubinsPursuit(),
 }
-FIGURES = {"jackknifed": "jackknifed", "goal_1_hit": "goal 1", "goal_2_hit": "goal 2"}
+_TOLD = {"jackknifed": "jackknifed", "goal_1_hit": "goal 1", "goal_2_hit": "goal 2"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,16 +54,16 @@ def drive(options: Options) -> str:
     Raises:
         ValueError: when there is no such vehicle.
     """
-    columns = [f"{name}: {figure}" for name in POLICIES for figure in FIGURES.values()]
+    columns = [f"{name}: {figure}" for name in _MADE for figure in _TOLD.values()]
     rows = [["vehicle", "trailers", "radius of the wheels [m]", "of the limits [m]", *columns]]
-    with Progress(len(options.vehicles) * len(POLICIES) * options.episodes) as progress:
+    with Progress(len(options.vehicles) * len(_MADE) * options.episodes) as progress:
         for name in options.vehicles:
             vehicle = catalogue(name)
             scenario = RandomPoses(fleet=catalogue_fleet(vehicle, speed_max=options.speed_max))
             wheels = vehicle.lengths[0] / np.tan(vehicle.steering_max)
             limited = least_radius(vehicle.lengths, vehicle.offsets, vehicle.limits)
             row = [name, str(len(vehicle.units) - 1), f"{wheels:.1f}", f"{limited:.1f}"]
-            for make in POLICIES.values():
+            for make in _MADE.values():
                 table = rollout(
                     make(scenario.articulation_max),
                     scenario,
@@ -73,7 +73,7 @@ def drive(options: Options) -> str:
                     OffAxle(),
                     options.threads,
                 )
-                for figure in FIGURES:
+                for figure in _TOLD:
                     happened = table[figure].to_numpy(zero_copy_only=False)
                     row.append(proportion(happened, table["episode"].to_numpy()).show(percent=True))
                 progress.advance(options.episodes, int(np.sum(table["moving_steps"].to_numpy())))
