@@ -168,20 +168,23 @@ def rollout(
     # ones first, for they take longest.
     order, queue = np.lexsort(-batch.worlds.fleet.num_trailers[::-1]), np.zeros(1, np.int64)
     threads = int(threads or default_threads())
-    lanes = _lanes(scenario.num_havs, numbers.size, threads)
+    much = allocate_memory(canonical(policy), scenario.num_havs, 1).shape[1] > _MUCH
+    lanes = _lanes(scenario.num_havs, much, numbers.size, threads)
     roll = functools.partial(_roll, canonical(policy), batch, order, queue)
     stages = [lanes] * min(threads, -(-numbers.size // lanes))
     run_on_threads(roll, stages, threads, lambda: queue.fill(numbers.size))
     return tabulate(batch.worlds, start, policy, task)
 
 
-def _lanes(num_havs: int, episodes: int, threads: int) -> int:
+def _lanes(num_havs: int, much: bool, episodes: int, threads: int) -> int:
     """Return in how many lanes a thread runs episodes: whole vectors, few where others take some.
 
-    Whoever has more lanes than the others have episodes left keeps them waiting.
+    Whoever has more lanes than the others have episodes left keeps them waiting. Large swarms, and
+    HAVs that remember much, leave the nearest cache in many lanes.
     """
+    most = LANES if num_havs <= FEW and not much else max(VECTOR, LANES // num_havs)
     share = episodes if threads == 1 else max(VECTOR, -(-episodes // (_SHARES * threads)))
-    return min(share, episodes, max(VECTOR, LANES // num_havs))
+    return min(share, episodes, most)
 
 
 def _roll(policy, batch: Batch, order: np.ndarray, queue: np.ndarray, lanes: int) -> None:

@@ -43,14 +43,33 @@ def floor(x):
 def sincos(angle):
     """Return sine and cosine of an angle [rad]: within 2 ulp for |angle| up to 1e6.
 
-    The angle is reduced to [-pi / 4, pi / 4]; there the polynomials are fdlibm's. Beyond 1e6 the
+    The angle is reduced to [-pi / 4, pi / 4]; ``small_sincos`` does the rest. Beyond 1e6 the
     reduction loses digits, and beyond 1e15 or so the result means nothing; not a number stays so.
     """
     shifted = fma(angle, _QUARTER_TURNS, _ROUNDER)
     quarters = shifted - _ROUNDER
     quadrant = bits_of(shifted) - _ROUNDER_BITS
     r = fma(-quarters, _QUARTER_MIDDLE, fma(-quarters, _QUARTER_HIGH, angle))
-    r = fma(-quarters, _QUARTER_LOW, r)
+    sine, cosine = small_sincos(fma(-quarters, _QUARTER_LOW, r))
+    swapped = (quadrant & 1) != 0
+    first, second = cosine if swapped else sine, sine if swapped else cosine
+    return (
+        -first if (quadrant & 2) != 0 else first,
+        -second if ((quadrant + 1) & 2) != 0 else second,
+    )
+
+
+@kernel
+def small_sincos(r):
+    """Return sine and cosine of an angle r [rad] with |r| <= pi / 4: the bits of ``sincos``.
+
+    There the reduction of ``sincos`` changes nothing. 2 r / pi rounds to 0, so ``quarters`` and
+    ``quadrant`` are 0: nothing is taken from r, nothing is swapped, no sign changes. Only the zeros
+    differ: -0.0 - 0.0 * _QUARTER_LOW is 0.0, for that constant is negative. But the sine of either
+    zero is 0.0: p is negative, so r * z * p + r adds two zeros of opposite signs.
+
+    The polynomials are fdlibm's.
+    """
     z = r * r
     p = fma(1.58969099521155010221e-10, z, -2.50507602534068634195e-08)
     p = fma(fma(p, z, 2.75573137070700676789e-06), z, -1.98412698298579493134e-04)
@@ -60,13 +79,7 @@ def sincos(angle):
     q = fma(fma(q, z, -1.38888888888741095749e-03), z, 4.16666666666666019037e-02)
     sine = fma(r * z, p, r)
     rest = fma(-0.5, z, 1.0)  # what its rounding cut off comes back with the polynomial
-    cosine = rest + fma(z * z, q, fma(-0.5, z, 1.0 - rest))
-    swapped = (quadrant & 1) != 0
-    first, second = cosine if swapped else sine, sine if swapped else cosine
-    return (
-        -first if (quadrant & 2) != 0 else first,
-        -second if ((quadrant + 1) & 2) != 0 else second,
-    )
+    return sine, rest + fma(z * z, q, fma(-0.5, z, 1.0 - rest))
 
 
 @kernel

@@ -1,11 +1,12 @@
 """This module tests and records events: jackknifes and collisions."""
 
-from hav_env.compiled import kernel, rare_kernel
+from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.world.arrays import (
     ACTUAL,
     ARTICULATION,
     CLOSE,
+    HANDFUL,
     HIGHER,
     JACKKNIFE,
     LARGEST,
@@ -22,7 +23,7 @@ from hav_env.world.arrays import (
 from hav_env.world.bodies import bodies_meet, boxes_overlap, find_box
 from hav_env.world.collision import potential_collision
 from hav_env.world.continuous_collision import box_of_way, collision_between, may_meet
-from hav_env.world.neighborhood import in_range
+from hav_env.world.neighborhood import in_range, may_touch
 from hav_env.world.task import records
 from hav_env.world.units.joints import joint_limit
 
@@ -91,12 +92,42 @@ def _record_jackknifes(task, world, agent):
 def record_collisions(task, world):
     """Record the first potential and the first actual collision of every HAV.
 
-    Actual collisions between steps count if the task says so. All pairs that may have collided are
-    among the candidates of the search for neighbours, which comes first.
+    Actual collisions between steps count if the task says so. In larger swarms, all pairs that may
+    have collided are among the candidates of the search for neighbours, which comes first.
 
     Returns:
         How many pairs of HAVs collided for the first time.
     """
+    num_havs, news = world.state.x.shape[0], 0
+    if num_havs > HANDFUL:
+        return _record_candidates(task, world)
+    for number in range(num_havs):
+        for second in range(number + 1, num_havs):
+            news += _record_in_lanes(task, world, fixed(number), fixed(second))
+    return news
+
+
+@kernel
+def _record_in_lanes(task, world, agent, other):
+    """Record the collisions of two HAVs in all lanes; see ``record_collisions``.
+
+    Most lanes have nothing to record; all lanes find that out at once.
+    """
+    close, possible, news = world.nearby.num_pairs, 0, 0
+    for lane in range(world.lanes):
+        close[lane] = 1 if may_touch(task, world, agent, other, lane) else 0
+        possible += close[lane]
+    if possible == 0:
+        return 0
+    for lane in range(world.lanes):
+        if close[lane] and records(task, world.state.clock[STEP, lane]):
+            news += _record_pair(task, world, agent, other, lane)
+    return news
+
+
+@kernel
+def _record_candidates(task, world):
+    """Record the collisions of the pairs on the lists of candidates; see ``record_collisions``."""
     news = 0
     for lane in range(world.lanes):
         if not records(task, world.state.clock[STEP, lane]):
@@ -105,49 +136,39 @@ def record_collisions(task, world):
         for place in range(world.nearby.num_pairs[lane]):
             agent, other = as_place(pair[place, LOWER]), as_place(pair[place, HIGHER])
             if pair[place, CLOSE]:
-                news += _record_potential(task, world, agent, other, lane)
-                if not task.continuous_collisions:
-                    news += _record_actual(world, agent, other, lane)
-            if task.continuous_collisions and in_range(task, world, agent, other, lane):
-                news += _record_between(world, agent, other, lane)
+                news += _record_pair(task, world, agent, other, lane)
     return news
 
 
 @kernel
-def _record_potential(task, world, agent, other, lane):
-    """Record a potential collision, if it is one and new; return whether it is."""
-    happened = _is_new(world.record.first, POTENTIAL, agent, other, lane) and (
+def _record_pair(task, world, agent, other, lane):
+    """Record the potential and the actual collision of two HAVs that are new; count them."""
+    first, news = world.record.first, 0
+    if _is_new(first, POTENTIAL, agent, other, lane) and (
         potential_collision(task, world, agent, other, lane)
-    )
-    if happened:
+    ):
         _record_both(world, POTENTIAL, agent, other, lane)
-    return happened
+        news += 1
+    if _is_new(first, ACTUAL, agent, other, lane) and _collided(task, world, agent, other, lane):
+        _record_both(world, ACTUAL, agent, other, lane)
+        news += 1
+    return news
 
 
 @kernel
-def _record_actual(world, agent, other, lane):
-    """Record an actual collision, if it is one and new; return whether it is."""
+def _collided(task, world, agent, other, lane):
+    """Tell whether two HAVs touch; also whether they did since the step before, if it counts."""
     bodies = world.fleet.bodies
-    happened = _is_new(world.record.first, ACTUAL, agent, other, lane) and (
-        boxes_overlap(find_box(bodies, world, agent, lane), find_box(bodies, world, other, lane))
-        and bodies_meet(bodies, world, agent, other, lane)
-    )
-    if happened:
-        _record_both(world, ACTUAL, agent, other, lane)
-    return happened
-
-
-@kernel
-def _record_between(world, agent, other, lane):
-    """Record an actual collision since the step before; see ``_record_actual``."""
-    happened = _is_new(world.record.first, ACTUAL, agent, other, lane) and (
-        may_meet(world, agent, other, lane)
-        and boxes_overlap(box_of_way(world, agent, lane), box_of_way(world, other, lane))
-        and collision_between(world, agent, other, lane)
-    )
-    if happened:
-        _record_both(world, ACTUAL, agent, other, lane)
-    return happened
+    if task.continuous_collisions:
+        return (
+            in_range(task, world, agent, other, lane)
+            and may_meet(world, agent, other, lane)
+            and boxes_overlap(box_of_way(world, agent, lane), box_of_way(world, other, lane))
+            and collision_between(world, agent, other, lane)
+        )
+    return boxes_overlap(
+        find_box(bodies, world, agent, lane), find_box(bodies, world, other, lane)
+    ) and bodies_meet(bodies, world, agent, other, lane)
 
 
 @kernel

@@ -2,15 +2,17 @@
 
 Every HAV has a circle round its truck's rear axle. Its radius is the reach of the HAV and half the
 sensing range, or more where the task has wider circles for potential collisions. Two HAVs whose
-circles do not overlap neither sense each other nor collide. A list keeps candidates from step to
-step: the pairs whose circles overlapped when each was wider by a margin. It holds as long as the
-circle of every HAV lies within its wide one of then. That is so whatever has moved the HAVs, and
-whichever world is in the lane.
+circles do not overlap neither sense each other nor collide.
+
+All pairs of a handful of HAVs are compared in every step, in lanes, and no list is kept. In larger
+swarms a list keeps candidates from step to step: the pairs whose circles overlapped when each was
+wider by a margin. It holds as long as the circle of every HAV lies within its wide one of then.
+That is so whatever has moved the HAVs, and whichever world is in the lane.
 
 The candidates of a large swarm are found by the cells of a grid, not among all pairs.
 """
 
-from hav_env.compiled import kernel, rare_kernel
+from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.elementary import floor
 from hav_env.world.arrays import (
     BUCKET,
@@ -19,6 +21,7 @@ from hav_env.world.arrays import (
     CLOSE,
     COLUMN,
     FEW,
+    HANDFUL,
     HIGHER,
     LOWER,
     NEXT,
@@ -40,26 +43,60 @@ def find_nearby(task, world):
 
     In range is who is at most both reaches and the sensing range away.
     """
+    num_havs = world.state.x.shape[0]
+    for agent in range(num_havs):
+        for lane in range(world.lanes):
+            world.nearby.count[agent, lane] = 0
+    if num_havs <= HANDFUL:
+        _compare_all(task, world)
+    else:
+        _compare_candidates(task, world)
+
+
+@kernel
+def _compare_all(task, world):
+    """Compare all pairs of a handful of HAVs, each in all lanes at once."""
+    num_havs = world.state.x.shape[0]
+    for number in range(num_havs):
+        for second in range(number + 1, num_havs):
+            agent, other = fixed(number), fixed(second)
+            for lane in range(world.lanes):
+                near = 1 if in_range(task, world, agent, other, lane) else 0
+                _append(world, agent, other, lane, near)
+                _append(world, other, agent, lane, near)
+
+
+@kernel
+def _compare_candidates(task, world):
+    """Compare the pairs on the list of candidates of each lane, which is made anew if need be."""
     _check_candidates(task, world)
     for lane in range(world.lanes):
         if world.nearby.num_pairs[lane] < 0:
             _list_candidates(task, world, lane)
-    for agent in range(world.state.x.shape[0]):
-        for lane in range(world.lanes):
-            world.nearby.count[agent, lane] = 0
     for lane in range(world.lanes):
         pair = world.nearby.pair[world.first + lane]
         for place in range(world.nearby.num_pairs[lane]):
             agent, other = as_place(pair[place, LOWER]), as_place(pair[place, HIGHER])
-            squared = squared_distance(world, agent, other, lane)
-            reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
             # pairs come in ascending order, so each list does
-            near = 1 if within(squared, reaches + task.sensing_range) else 0
+            near = 1 if in_range(task, world, agent, other, lane) else 0
             _append(world, agent, other, lane, near)
             _append(world, other, agent, lane, near)
-            circles = circle_radius(task, world.fleet, agent, lane)
-            circles += circle_radius(task, world.fleet, other, lane)
-            pair[place, CLOSE] = 1 if within(squared, max(reaches, circles) + AXLE_ROUNDING) else 0
+            pair[place, CLOSE] = 1 if may_touch(task, world, agent, other, lane) else 0
+
+
+@kernel
+def may_touch(task, world, agent, other, lane):
+    """Tell whether two HAVs, or their circles of the task, are so near that they may touch.
+
+    Where collisions between steps count, all who sense each other may have touched.
+    """
+    reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
+    circles = circle_radius(task, world.fleet, agent, lane)
+    circles += circle_radius(task, world.fleet, other, lane)
+    squared = squared_distance(world, agent, other, lane)
+    near = within(squared, max(reaches, circles) + AXLE_ROUNDING)
+    sensed = within(squared, reaches + task.sensing_range)
+    return near | ((task.continuous_collisions != 0) & sensed)
 
 
 @kernel

@@ -6,6 +6,7 @@ largest, in units in the last place (ulp): sine and cosine 1.45 up to pi, 1.59 u
 """
 
 import math
+import struct
 
 import mpmath
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from hav_env.maths.elementary import atan2, exp, floor, log, sincos
+from hav_env.maths.elementary import atan2, exp, floor, log, sincos, small_sincos
 from tests.support.budgets import budget
 from tests.support.policies import evaluate
 
@@ -71,6 +72,15 @@ def test_sine_and_cosine_are_exact_but_for_a_few_units_in_the_last_place(sample,
     sines, cosines = zip(*map(sincos, sampled), strict=True)
     assert ulps(sines, map(EXACT.sin, sampled)) < bound
     assert ulps(cosines, map(EXACT.cos, sampled)) < bound
+
+
+def test_small_angles_have_the_same_bits_without_reduction():
+    rng, end = np.random.default_rng(2), 0.25 * math.pi
+    tiny = signs(rng) * 10.0 ** rng.uniform(-323, -1, SAMPLES)
+    ends = [0.0, 5e-324, 1e-310, 2.0**-1022, math.nextafter(end, 0.0), end]
+    for angle in [*ends, *rng.uniform(-end, end, SAMPLES).tolist(), *tiny.tolist()]:
+        for r in (angle, -angle):
+            assert struct.pack("2d", *small_sincos(r)) == struct.pack("2d", *sincos(r))
 
 
 def test_tiny_angles_are_their_own_sines():

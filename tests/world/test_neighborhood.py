@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hav_env import Batch, RandomFleet, RandomPoses, Task
-from hav_env.world.arrays import PHASE, RADIUS, is_removed
+from hav_env.world.arrays import HANDFUL, PHASE, RADIUS, is_removed
 from hav_env.world.lanes import block_of, exchange_worlds
 from hav_env.world.neighborhood import find_nearby
 from tests.support.budgets import budget
@@ -44,7 +44,7 @@ def scattered(layout, num_havs, rng):
 
 
 @pytest.mark.parametrize("layout", ["random", "clustered", "far", "pile", "grid"])
-@pytest.mark.parametrize("num_havs", [2, 16, 17, 60, 200])
+@pytest.mark.parametrize("num_havs", [2, HANDFUL, HANDFUL + 1, 16, 17, 60, 200])
 def test_the_list_of_neighbours_is_that_of_a_search_of_all_pairs(num_havs, layout):
     rng = np.random.default_rng(num_havs)
     for sensing_range in (0.0, 30.0):
@@ -110,7 +110,7 @@ def test_neighbors_are_found_whatever_moves_the_havs(num_havs, fastest):
         assert kept > num_worlds
 
 
-@pytest.mark.parametrize("num_havs", [2, 20])
+@pytest.mark.parametrize("num_havs", [HANDFUL + 1, 20])
 @pytest.mark.parametrize("x", [0.0, -1e7])
 def test_a_list_is_kept_right_to_its_margin(num_havs, x):
     """Two HAVs come towards each other as far as the list allows, where it matters most."""

@@ -7,10 +7,13 @@ that the truck has when the prediction begins.
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.prediction.paths import heading_at
 from hav_env.compiled import kernel, rare_kernel
-from hav_env.maths.elementary import atan2, sincos
+from hav_env.maths.elementary import atan2, sincos, small_sincos
 from hav_env.maths.geometry import clip, into_frame, wrap
 
 _FOLDED = -2.0  # stands for a cosine below that of every allowed articulation
+# distance over length up to which a unit turns by less than pi / 4 in a step: a turn is at most
+# that ratio, but for rounding, which the 5 % to pi / 4 exceed by far
+_SMALL_TURN = 0.75
 
 
 @rare_kernel
@@ -51,13 +54,23 @@ def advance_chain(rows, x, y, turn, distance):
         ahead_cosine, ahead_sine, pull, turn, least = pull_unit(
             *(ahead_cosine, ahead_sine, rows[at], rows[at + 1], pull, turn, least),
             *(rows[m.OWN_LENGTHS + unit], rows[m.OWN_FOLD_TURN]),
+            turns_little(rows, unit, distance),
         )
         rows[at], rows[at + 1] = ahead_cosine, ahead_sine
     return x, y, least
 
 
 @kernel
-def pull_unit(ahead_cosine, ahead_sine, cosine, sine, pull, turn, least, length, fold_turn):
+def turns_little(rows, unit, distance):
+    """Tell whether a trailer turns by less than pi / 4 whenever the truck moves a distance [m].
+
+    Turns are pull * sine / length, and no unit is pulled farther than the truck moves.
+    """
+    return distance <= _SMALL_TURN * rows[m.OWN_LENGTHS + unit]
+
+
+@kernel
+def pull_unit(ahead_cosine, ahead_sine, cosine, sine, pull, turn, least, length, fold_turn, little):
     """Turn and move a unit after the one ahead, which has moved already.
 
     Args:
@@ -70,6 +83,7 @@ def pull_unit(ahead_cosine, ahead_sine, cosine, sine, pull, turn, least, length,
         least: Least cosine of the articulations before this one.
         length: Length of the unit [m].
         fold_turn: Least change of an articulation that may fold a joint through [rad].
+        little: Whether the unit ``turns_little``. The result is the same, and comes sooner.
 
     Returns:
         Cosine and sine of the heading after the step, the distance that the unit moves [m], its
@@ -77,7 +91,7 @@ def pull_unit(ahead_cosine, ahead_sine, cosine, sine, pull, turn, least, length,
     """
     _, bend = into_frame(cosine, sine, ahead_cosine, ahead_sine)
     own_turn = -pull * bend / length
-    turn_sine, turn_cosine = sincos(own_turn)
+    turn_sine, turn_cosine = small_sincos(own_turn) if little else sincos(own_turn)
     own_cosine = cosine * turn_cosine - sine * turn_sine
     own_sine = sine * turn_cosine + cosine * turn_sine
     straightness, _ = into_frame(own_cosine, own_sine, ahead_cosine, ahead_sine)

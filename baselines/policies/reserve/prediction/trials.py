@@ -8,7 +8,12 @@ one. So the results are the same. What a lane holds after the end of its trial i
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory.sizes import TRIALS, TURN_RADII
 from baselines.policies.reserve.perception.own_state import SURELY, hits_goal, sensed_goal
-from baselines.policies.reserve.prediction.motion import most_turn, pull_unit, sense_chain
+from baselines.policies.reserve.prediction.motion import (
+    most_turn,
+    pull_unit,
+    sense_chain,
+    turns_little,
+)
 from baselines.policies.reserve.prediction.paths import total_length
 from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.elementary import sincos
@@ -42,12 +47,16 @@ def advance_trials(rows, distance):
         rows[m.TRIAL_PULL + lane] = distance
         rows[m.TRIAL_LEAST + lane] = 1.0
     for unit in range(1, int(rows[m.OWN_TRAILERS]) + 1):
-        _pull_trials(rows, fixed(unit))
+        # a loop for each: choosing inside would compute both
+        if turns_little(rows, unit, distance):
+            _pull_trials(rows, fixed(unit), True)
+        else:
+            _pull_trials(rows, fixed(unit), False)
 
 
 @kernel
-def _pull_trials(rows, unit):
-    """Turn and move a unit of all trials after the one ahead."""
+def _pull_trials(rows, unit, little):
+    """Turn and move a unit of all trials after the one ahead; see ``pull_unit``."""
     length, fold_turn = rows[m.OWN_LENGTHS + unit], rows[m.OWN_FOLD_TURN]
     first = m.TRIAL_CHAINS + 2 * TRIALS * (unit - 1)
     chains = rows[first : first + 4 * TRIALS]
@@ -56,7 +65,7 @@ def _pull_trials(rows, unit):
             *(chains[lane], chains[TRIALS + lane]),
             *(chains[2 * TRIALS + lane], chains[3 * TRIALS + lane]),
             *(rows[m.TRIAL_PULL + lane], rows[m.TRIAL_TURN + lane], rows[m.TRIAL_LEAST + lane]),
-            *(length, fold_turn),
+            *(length, fold_turn, little),
         )
         chains[2 * TRIALS + lane], chains[3 * TRIALS + lane] = cosine, sine
         rows[m.TRIAL_PULL + lane], rows[m.TRIAL_TURN + lane] = pull, turn
