@@ -12,6 +12,7 @@ from hav_env.envs.screen import Screen
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.scenarios import Explicit, explicit
+from hav_env.scenarios.given_vehicles import vehicle_in
 from hav_env.simulator.batch import begin_worlds, check_placed, check_seed
 from hav_env.simulator.beginning import begin
 from hav_env.world.arrays import ARTICULATION, SEED, SPEED, STEERING
@@ -171,10 +172,7 @@ class SingleWorld:
         check_placed(placed, scenario)
         state, fleet, goals = worlds.state, worlds.fleet, worlds.goals
         drawn = {
-            "lengths": [
-                fleet.length[agent, : fleet.num_trailers[agent, 0] + 1, 0].tolist()
-                for agent in range(scenario.num_havs)
-            ],
+            "lengths": [vehicle_in(fleet, agent, 0) for agent in range(scenario.num_havs)],
             "start": np.stack([state.x[:, 0], state.y[:, 0], state.heading[:, 0, 0]], axis=-1),
             "goals": goals[..., 0],
         }

@@ -2,22 +2,22 @@
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import kernel
 from hav_env.maths.random_numbers import uniform
 from hav_env.models.annotations import Range, is_number, show
-from hav_env.models.checks import check_relations, require
+from hav_env.models.checks import check_relations
 from hav_env.models.quantities import Articulation, Length, Share, Speed, Steering, Trailers
+from hav_env.scenarios.given_vehicles import (
+    check_vehicles,
+    real_vehicle,
+    tabulate_vehicles,
+    write_vehicle,
+)
 from hav_env.vehicles import Combination, catalogue
-from hav_env.world.arrays import derive_radii, set_limits
-from hav_env.world.units.joints import hitch_trailer
-from hav_env.world.units.outlines import shape_unit
-from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR
 
-_TABLES = ("num_trailers", "length", "offset", "limit", "shape", "share", "speed", "steering")
 Table = Annotated[np.ndarray, Range(-math.inf, math.inf)]  # checked against the others, below
 
 
@@ -89,42 +89,20 @@ def catalogue_fleet(
     for weight in relative:
         if not (is_number(weight) and 0.0 < weight < math.inf):
             raise ValueError(f"weights holds {show(weight)}, but must hold finite numbers above 0")
-    units = max(len(kind.units) for kind in kinds)
-    length = np.full((len(kinds), units), math.inf)
-    offset, limit = np.zeros((2, len(kinds), units))
-    shape = np.zeros((len(kinds), units, 3))
-    for k, kind in enumerate(kinds):
-        for j, unit in enumerate(kind.units):
-            length[k, j], limit[k, j] = unit.length, unit.articulation_max
-            shape[k, j] = unit.half_width, unit.front, unit.rear
-            if j > 0:
-                offset[k, j - 1] = unit.hitch
-    speed = np.array([kind.speed_max if speed_max is None else speed_max for kind in kinds])
-    steering = np.array([kind.steering_max for kind in kinds])
+    given = [real_vehicle(kind) for kind in kinds]
+    if speed_max is not None:
+        given = [vehicle._replace(speed=speed_max) for vehicle in given]
+    tables = tabulate_vehicles(given)
+    length = tables["length"]
     return CatalogueFleet(
-        units - 1,
-        float(length.min()),
-        float(length[np.isfinite(length)].max()),
-        float(speed.max()),
-        float(steering.max()),
-        min(unit.articulation_max for kind in kinds for unit in kind.units[1:]),
-        np.array([len(kind.units) - 1 for kind in kinds]),
-        length,
-        offset,
-        limit,
-        shape,
-        np.cumsum(relative) / np.sum(relative),
-        speed,
-        steering,
+        min_length=float(length.min()),
+        max_length=float(length[np.isfinite(length)].max()),
+        speed_max=float(tables["speed"].max()),
+        steering_max=float(tables["steering"].max()),
+        articulation_max=min(float(vehicle.limit[1:].min()) for vehicle in given),
+        share=np.cumsum(relative) / np.sum(relative),
+        **tables,
     )
-
-
-class _Limits(NamedTuple):
-    """What ``set_limits`` reads, of one HAV."""
-
-    speed_max: float
-    steering_max: float
-    articulation_max: float
 
 
 def draw_catalogue_fleet(catalogue_fleet, fleet, lane, key, draw):
@@ -134,50 +112,11 @@ def draw_catalogue_fleet(catalogue_fleet, fleet, lane, key, draw):
         while kind < catalogue_fleet.share.shape[0] - 1 and share >= catalogue_fleet.share[kind]:
             kind += 1
         draw += 1
-        _write_vehicle(catalogue_fleet, fleet, agent, lane, kind)
+        share_of_truck = catalogue_fleet.footprint_truck_share
+        write_vehicle(catalogue_fleet, kind, share_of_truck, fleet, agent, lane)
     return draw
-
-
-@kernel
-def _write_vehicle(catalogue_fleet, fleet, agent, lane, kind):
-    """Give a HAV lengths, limits, hitches and bodies of a kind of vehicle."""
-    last = catalogue_fleet.num_trailers[kind]
-    fleet.num_trailers[agent, lane] = last
-    fleet.length[agent, :, lane] = math.inf
-    least = math.pi
-    for unit in range(1, last + 1):
-        least = min(least, catalogue_fleet.limit[kind, unit])
-    speed, steering = catalogue_fleet.speed[kind], catalogue_fleet.steering[kind]
-    set_limits(_Limits(speed, steering, least), fleet, agent, lane)
-    for unit in range(last + 1):
-        fleet.length[agent, unit, lane] = catalogue_fleet.length[kind, unit]
-        offset, limit = catalogue_fleet.offset[kind, unit], catalogue_fleet.limit[kind, unit]
-        hitch_trailer(fleet.joints, agent, unit, lane, offset, limit)
-        shape = catalogue_fleet.shape[kind, unit]
-        shape_unit(fleet.bodies, agent, unit, lane, shape[HALF_WIDTH], shape[FRONT], shape[REAR])
-    derive_radii(fleet, agent, lane, catalogue_fleet.footprint_truck_share)
 
 
 @check_relations.register
 def _(fleet: CatalogueFleet) -> None:
-    kinds, units = fleet.share.size, fleet.max_trailers + 1
-    sizes: dict[str, tuple] = {
-        "length": (kinds, units),
-        "offset": (kinds, units),
-        "limit": (kinds, units),
-    }
-    sizes |= {"shape": (kinds, units, 3)}
-    for field in _TABLES:
-        table: Any = getattr(fleet, field)
-        told = f"an array of shape {sizes.get(field, (kinds,))}"
-        require(table.shape == sizes.get(field, (kinds,)), "fleet", fleet, field, told)
-    for k in range(kinds):
-        own = slice(0, fleet.num_trailers[k] + 1)
-        length, offset = fleet.length[k, own], fleet.offset[k, own]
-        require(
-            bool((abs(offset[:-1]) <= length[1:]).all()),
-            "fleet",
-            fleet,
-            "offset",
-            "at most the length of the trailer: articulations would grow down the chain",
-        )
+    check_vehicles("fleet", fleet, fleet.share.size)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -10,14 +10,21 @@ from hav_env.compiled import canonical
 from hav_env.models.annotations import Range, kinds_of, show
 from hav_env.models.checks import check_fields, check_relations, check_value
 from hav_env.models.quantities import Articulation, Goals, Havs, Share, Speed, Steering, Trailers
+from hav_env.scenarios.given_vehicles import (
+    HavLimits,
+    check_vehicles,
+    read_vehicle,
+    tabulate_vehicles,
+    write_vehicle,
+)
 from hav_env.scenarios.written import (
     check_apart,
-    check_lengths,
     check_poses,
     check_shapes,
+    read_list,
     read_numbers,
 )
-from hav_env.world.arrays import derive_radii, put_straight, set_limits
+from hav_env.world.arrays import put_straight, turn_unit
 
 # its numbers are checked HAV by HAV, below
 Numbers = Annotated[np.ndarray, Range(-math.inf, math.inf)]
@@ -31,6 +38,12 @@ class Explicit(NamedTuple):
     max_trailers: Trailers
     num_trailers: np.ndarray  # (N,)
     length: Numbers  # (N, U) [m], inf beyond the last unit
+    offset: Numbers  # (N, U) how far behind the axle of a unit its trailer is hitched [m]
+    limit: Numbers  # (N, U) of the articulation of each trailer [rad]
+    shape: Numbers  # (N, U, 3) half width, front and rear overhang of bodies [m], -1 if usual
+    speed: Numbers  # (N,) largest speeds [m/s]
+    steering: Numbers  # (N,) largest steering angles [rad]
+    bend: Numbers  # (N, U) articulation of each trailer at the start [rad]
     start: Numbers  # (N, 3) x [m], y [m], heading [rad]
     goals: Numbers  # (N, G, 3)
     speed_max: Speed
@@ -55,7 +68,7 @@ class Explicit(NamedTuple):
 
 
 def explicit(
-    lengths: Sequence[Sequence[float]],
+    lengths: Sequence[Any],
     start: Sequence[Sequence[float]],
     goals: Sequence[Sequence[Sequence[float]]],
     *,
@@ -63,24 +76,32 @@ def explicit(
     steering_max: float = math.radians(40.0),
     articulation_max: float = math.pi / 2,
     footprint_truck_share: float = 0.0,
+    bends: Sequence[Sequence[float]] | None = None,
 ) -> Explicit:
     """Write a scenario down; docs/ranges.md says what numbers may be.
 
     Args:
-        lengths: for each HAV the lengths [m] of its truck and its trailers, at least one trailer.
+        lengths: for each HAV the lengths [m] of its truck and its trailers, at least one trailer;
+            or a vehicle: a name in the catalogue, or a ``Combination``.
         start: for each HAV x [m], y [m], heading [rad].
         goals: for each HAV its goal poses, as many as the others have.
-        speed_max: largest speed of all HAVs [m/s].
-        steering_max: largest steering angle of all HAVs [rad].
-        articulation_max: articulation beyond which HAVs are jackknifed [rad].
+        speed_max: largest speed of all HAVs [m/s] whose lengths are given.
+        steering_max: largest steering angle of them [rad].
+        articulation_max: articulation beyond which they are jackknifed [rad].
         footprint_truck_share: share of the truck's length in the footprint radius d_i.
+        bends: for each HAV the articulations of its trailers at the start [rad]; 0 by default.
 
     Raises:
         TypeError: naming what is no list or no number.
         ValueError: naming the HAV and what is wrong with it.
     """
-    units = read_numbers("lengths", lengths, 2)
     poses, targets = read_numbers("start", start, 2), read_numbers("goals", goals, 3)
+    limits = HavLimits(speed_max, steering_max, articulation_max)
+    for name, limit in limits._asdict().items():
+        check_value(f"scenario {name}", kinds_of(Explicit)[name], limit)
+    units = [
+        read_vehicle(f"lengths[{k}]", given, limits) for k, given in enumerate(read_list(lengths))
+    ]
     if len(units) == 0:
         raise ValueError("a scenario needs at least one HAV")
     if not len(units) == len(poses) == len(targets):
@@ -88,7 +109,7 @@ def explicit(
             f"{len(units)} HAVs have lengths, {len(poses)} a start and {len(targets)} goals"
         )
     for agent, (own, pose, own_goals) in enumerate(zip(units, poses, targets, strict=True)):
-        if len(own) < 2:
+        if len(own.length) < 2:
             raise ValueError(f"HAV {agent} needs the lengths of a truck and at least one trailer")
         if len(own_goals) == 0 or len(own_goals) != len(targets[0]):
             raise ValueError(
@@ -97,48 +118,68 @@ def explicit(
         for place in (pose, *own_goals):
             if len(place) != 3:
                 raise ValueError(f"HAV {agent}: {show(place)} is not a pose [x, y, heading]")
-    most = max(map(len, units))
+    most = max(len(own.length) for own in units)
     shape = {"num_havs": len(units), "num_goals": len(targets[0]), "max_trailers": most - 1}
     for name, count in shape.items():  # before anything is allocated
         check_value(f"scenario {name}", kinds_of(Explicit)[name], count)
     scenario = Explicit(
-        **shape,
-        num_trailers=np.array([len(own) - 1 for own in units]),
-        length=np.array([[*own, *[math.inf] * (most - len(own))] for own in units], float),
+        num_havs=len(units),
+        num_goals=len(targets[0]),
+        **tabulate_vehicles(units),
+        bend=_read_bends(bends, [len(own.length) - 1 for own in units]),
         start=np.array(poses, float),
         goals=np.array(targets, float),
-        speed_max=speed_max,
-        steering_max=steering_max,
-        articulation_max=articulation_max,
+        speed_max=float(max(own.speed for own in units)),
+        steering_max=float(max(own.steering for own in units)),
+        articulation_max=min(float(own.limit[1:].min()) for own in units),
         footprint_truck_share=footprint_truck_share,
     )
     check_fields("scenario", scenario)
     return canonical(scenario)
 
 
+def _read_bends(bends: Sequence[Sequence[float]] | None, trailers: list[int]) -> np.ndarray:
+    """Return the articulations at the start (N, U) [rad], given the numbers of trailers."""
+    table = np.zeros((len(trailers), max(trailers) + 1))
+    given = [[]] * len(trailers) if bends is None else read_numbers("bends", bends, 2)
+    if len(given) != len(trailers):
+        raise ValueError(f"bends has {len(given)} lists, but must have one for each HAV")
+    for agent, (own, count) in enumerate(zip(given, trailers, strict=True)):
+        if len(own) not in (0, count):
+            told = f"bends of HAV {agent} has {len(own)} numbers"
+            raise ValueError(f"{told}, but must have none or {count}, one for each trailer")
+        table[agent, 1 : len(own) + 1] = own
+    return table
+
+
 @check_relations.register
 def _(scenario: Explicit) -> None:
     check_shapes(scenario)
-    check_lengths(scenario.length, scenario.num_trailers)
+    check_vehicles("scenario", scenario, scenario.num_havs)
+    if not (abs(scenario.bend) <= scenario.limit).all():
+        agent = int(np.argwhere(abs(scenario.bend) > scenario.limit)[0, 0])
+        told = f"bends of HAV {agent} is {show(scenario.bend[agent, 1:].tolist())}"
+        raise ValueError(f"{told}, but must be within the limits of its joints")
     places = np.concatenate([scenario.start[:, None], scenario.goals], axis=1)  # (N, 1 + G, 3)
     check_poses(places)
     trailers = np.arange(1, scenario.max_trailers + 1) <= scenario.num_trailers[:, None]
-    radius = np.where(trailers, scenario.length[:, 1:], 0.0).sum(axis=1)
+    along = np.where(trailers, abs(scenario.length[:, 1:] + scenario.offset[:, 1:]), 0.0)
+    radius = along.sum(axis=1) + abs(scenario.offset[:, 0])
     check_apart(places, radius + scenario.footprint_truck_share * scenario.length[:, 0])
 
 
 def populate_explicit(scenario, world, lane):
     """Copy the scenario into one lane."""
-    fleet = world.fleet
+    fleet, state = world.fleet, world.state
     for agent in range(scenario.num_havs):
-        fleet.num_trailers[agent, lane] = scenario.num_trailers[agent]
-        fleet.length[agent, :, lane] = math.inf
-        for unit in range(scenario.num_trailers[agent] + 1):
-            fleet.length[agent, unit, lane] = scenario.length[agent, unit]
-        set_limits(scenario, fleet, agent, lane)
-        derive_radii(fleet, agent, lane, scenario.footprint_truck_share)
+        write_vehicle(scenario, agent, scenario.footprint_truck_share, fleet, agent, lane)
         x, y, heading = scenario.start[agent]
-        put_straight(world.state, agent, lane, x, y, heading)
+        put_straight(state, agent, lane, x, y, heading)
+        for unit in range(1, scenario.num_trailers[agent] + 1):
+            if scenario.bend[agent, unit] != 0.0:
+                turned = state.heading[agent, unit - 1, lane] + scenario.bend[agent, unit]
+                for behind in range(unit, scenario.num_trailers[agent] + 1):
+                    turn_unit(state, agent, behind, lane, turned)
         for goal in range(scenario.num_goals):
             for part in range(3):
                 world.goals[agent, goal, part, lane] = scenario.goals[agent, goal, part]

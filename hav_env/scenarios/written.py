@@ -24,14 +24,24 @@ def read_numbers(name: str, value: Any, depth: int) -> list:
         TypeError: naming what is no list or no number.
         ValueError: when a number is beyond what a float can hold.
     """
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, str | bytes) or not isinstance(value, Sequence):
-        raise TypeError(f"{name} is {show(value)}, which is not a list")
+    value = read_list(value, name)
     if depth > 1:
         return [read_numbers(f"{name}[{k}]", part, depth - 1) for k, part in enumerate(value)]
     for k, number in enumerate(value):
         _check_float(f"{name}[{k}]", number)
+    return list(value)
+
+
+def read_list(value: Any, name: str = "lengths") -> list:
+    """Return a sequence, or an array, as a list.
+
+    Raises:
+        TypeError: naming what is no list.
+    """
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence):
+        raise TypeError(f"{name} is {show(value)}, which is not a list")
     return list(value)
 
 
@@ -49,8 +59,7 @@ def check_shapes(scenario: Any) -> None:
     """Raise ValueError unless the arrays of an explicit scenario have the shapes that it states."""
     havs, units = scenario.num_havs, scenario.max_trailers + 1
     shapes = {
-        "num_trailers": (havs,),
-        "length": (havs, units),
+        "bend": (havs, units),
         "start": (havs, 3),
         "goals": (havs, scenario.num_goals, 3),
     }
@@ -58,10 +67,6 @@ def check_shapes(scenario: Any) -> None:
         found = getattr(scenario, field).shape
         if found != shape:
             raise ValueError(f"scenario {field} has shape {found}, but must have {shape}")
-    counts = scenario.num_trailers
-    if counts.dtype.kind not in "iu" or counts.min() < 1 or counts.max() >= units:
-        told = f"whole numbers from 1 to {units - 1}"
-        raise ValueError(f"scenario num_trailers is {show(counts, str)}, but must be {told}")
 
 
 def check_lengths(length: np.ndarray, num_trailers: np.ndarray) -> None:

@@ -138,10 +138,9 @@ def allocate_worlds(
     bodies: Any = Lines(),  # a NamedTuple is immutable
     zeros: Callable[..., np.ndarray] = np.zeros,
 ) -> World:
-    """Return the arrays of a batch; a scenario fills them.
+    """Return the arrays of a batch.
 
-    Until a scenario fills them, they hold HAVs that wait far from each other. Such HAVs cost little
-    to step along.
+    Until a scenario fills them, HAVs wait far from each other, which costs little to step along.
 
     Args:
         num_worlds: W.
@@ -215,10 +214,7 @@ def world_size(
 
 @kernel
 def as_place(number):
-    """Return the number of a HAV, kept in 16 bits, as a place in arrays that is never negative.
-
-    Compiled code looks for negative places, from the end of an array, wherever it cannot know.
-    """
+    """Return a HAV's number of 16 bits as a place in arrays: compiled code asks for no sign."""
     return int(number & 0x7FFF)
 
 

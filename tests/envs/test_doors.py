@@ -44,7 +44,8 @@ ARRAYS = (np.array([1]), np.ones((1, 2)), np.zeros((1, 3)), np.ones((1, 1, 3)))
 
 def wrong(**changes):
     """Return an explicit scenario that was not built with ``explicit``."""
-    fields = dict(zip(("num_trailers", "length", "start", "goals"), ARRAYS, strict=True))
+    fields = explicit(UNITS, START, GOALS)._asdict()
+    fields |= dict(zip(("num_trailers", "length", "start", "goals"), ARRAYS, strict=True))
     fields |= {"num_havs": 1, "num_goals": 1, "max_trailers": 1, "speed_max": 1.0}
     return Explicit(**fields | {"steering_max": 0.7, "articulation_max": 1.5} | changes)
 

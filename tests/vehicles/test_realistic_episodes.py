@@ -26,7 +26,6 @@ from tests.support.worlds import bits
 
 VEHICLES = {
     "realistic": OffAxle(bodies=Rectangles(), actuators=Limited()),
-    "off_axle": OffAxle(),
     "rectangles": OnAxle(bodies=Rectangles(3.0, 1.0, 1.5)),
 }
 FLEET = catalogue_fleet(COMBINATIONS.names())

@@ -1,0 +1,193 @@
+"""This module has vehicles that are given unit by unit, for scenarios that are written down."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hav_env.compiled import kernel
+from hav_env.models.annotations import show
+from hav_env.models.checks import check_value
+from hav_env.models.quantities import Articulation, Speed, Steering
+from hav_env.scenarios.written import check_lengths, read_numbers
+from hav_env.vehicles import Combination, catalogue
+from hav_env.world.arrays import ARTICULATION, SPEED, STEERING, Fleet, derive_radii, set_limits
+from hav_env.world.units.joints import hitch_trailer
+from hav_env.world.units.outlines import shape_unit
+from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Hitches, Outlines
+
+
+class GivenVehicle(NamedTuple):
+    """One vehicle of K units; unit 0 is the truck."""
+
+    length: np.ndarray
+    """(K,) of the units [m]."""
+    offset: np.ndarray
+    """(K,) how far behind the axle of a unit its trailer is hitched [m]; 0 for the last unit."""
+    limit: np.ndarray
+    """(K,) articulation of each trailer beyond which the HAV is jackknifed [rad]."""
+    shape: np.ndarray
+    """(K, 3) half width, front and rear overhang of each body [m]; -1 for the usual body."""
+    speed: float
+    """Largest speed [m/s]."""
+    steering: float
+    """Largest steering angle [rad]."""
+
+
+class HavLimits(NamedTuple):
+    """Limits of one HAV, as ``set_limits`` reads them of a scenario."""
+
+    speed_max: float
+    steering_max: float
+    articulation_max: float
+
+
+def plain_vehicle(lengths: Sequence[float], limits: HavLimits) -> GivenVehicle:
+    """Return a vehicle of given lengths [m], hitched on the axles, with the usual bodies."""
+    units = len(lengths)
+    return GivenVehicle(
+        np.array(lengths, float),
+        np.zeros(units),
+        np.full(units, limits.articulation_max),
+        np.full((units, 3), -1.0),
+        limits.speed_max,
+        limits.steering_max,
+    )
+
+
+def real_vehicle(vehicle: Combination) -> GivenVehicle:
+    """Return a vehicle of the catalogue."""
+    return GivenVehicle(
+        np.array(vehicle.lengths, float),
+        np.array([*vehicle.offsets[1:], 0.0]),
+        np.array(vehicle.limits),
+        np.stack(vehicle.bodies, axis=-1),
+        vehicle.speed_max,
+        vehicle.steering_max,
+    )
+
+
+def read_vehicle(name: str, value: Any, limits: HavLimits) -> GivenVehicle:
+    """Return a vehicle: lengths of its units [m], a name in the catalogue, or a vehicle itself.
+
+    Args:
+        name: of the argument, for messages.
+        value: value that the user gave.
+        limits: of vehicles that are lengths alone.
+
+    Raises:
+        TypeError, ValueError: naming what is no vehicle.
+    """
+    if isinstance(value, GivenVehicle):
+        return value
+    if isinstance(value, Combination | str):
+        return real_vehicle(value if isinstance(value, Combination) else catalogue(value))
+    return plain_vehicle(read_numbers(name, value, 1), limits)
+
+
+def vehicle_in(fleet: Fleet, agent: int, lane: int) -> GivenVehicle:
+    """Return the vehicle of a HAV in one lane."""
+    units = slice(0, fleet.num_trailers[agent, lane] + 1)
+    limit = fleet.limit[agent, :, lane]
+    lengths = fleet.length[agent, units, lane]
+    usual = HavLimits(*(float(limit[column]) for column in (SPEED, STEERING, ARTICULATION)))
+    vehicle = plain_vehicle(lengths.tolist(), usual)
+    if isinstance(fleet.joints, Hitches):
+        offset, bend = (part[agent, units, lane].copy() for part in fleet.joints[:2])
+        vehicle = vehicle._replace(offset=offset, limit=bend)
+    if isinstance(fleet.bodies, Outlines):
+        vehicle = vehicle._replace(shape=fleet.bodies.shape[agent, units, :, lane].copy())
+    return vehicle
+
+
+def tabulate_vehicles(vehicles: Sequence[GivenVehicle]) -> dict[str, Any]:
+    """Return the arrays of V vehicles, by the names that ``write_vehicle`` reads; U - 1 also."""
+    units = max(len(vehicle.length) for vehicle in vehicles)
+
+    def padded(field: str, empty: float) -> np.ndarray:
+        parts = [getattr(vehicle, field) for vehicle in vehicles]
+        table = np.full((len(vehicles), units, *parts[0].shape[1:]), empty)
+        for row, part in zip(table, parts, strict=True):
+            row[: len(part)] = part
+        return table
+
+    return {
+        "max_trailers": units - 1,
+        "num_trailers": np.array([len(vehicle.length) - 1 for vehicle in vehicles]),
+        "length": padded("length", math.inf),
+        "offset": padded("offset", 0.0),
+        "limit": padded("limit", math.pi),
+        "shape": padded("shape", -1.0),
+        "speed": np.array([vehicle.speed for vehicle in vehicles], float),
+        "steering": np.array([vehicle.steering for vehicle in vehicles], float),
+    }
+
+
+def check_vehicles(kind: str, tables: Any, count: int) -> None:
+    """Check arrays of vehicles that need not have been made by ``tabulate_vehicles``.
+
+    Args:
+        kind: kind of model that has them, for messages.
+        tables: the model.
+        count: V, number of vehicles.
+
+    Raises:
+        ValueError: naming the array, or the vehicle and what is wrong with it.
+    """
+    units = tables.max_trailers + 1
+    shapes: dict[str, tuple] = dict.fromkeys(("length", "offset", "limit"), (count, units))
+    shapes |= {"shape": (count, units, 3)}
+    for field in ("num_trailers", *shapes, "speed", "steering"):
+        found, shape = getattr(tables, field).shape, shapes.get(field, (count,))
+        if found != shape:
+            raise ValueError(f"{kind} {field} has shape {found}, but must have {shape}")
+    counts = tables.num_trailers
+    if counts.dtype.kind not in "iu" or counts.min() < 1 or counts.max() >= units:
+        told = f"whole numbers from 1 to {units - 1}"
+        raise ValueError(f"{kind} num_trailers is {show(counts, str)}, but must be {told}")
+    check_lengths(tables.length, counts)
+    for field, quantity in (("speed", Speed), ("steering", Steering)):
+        for value in getattr(tables, field).tolist():
+            check_value(f"{kind} {field}", quantity, value)
+    for k, last in enumerate(counts):
+        for limit in tables.limit[k, 1 : last + 1].tolist():
+            check_value(f"{kind} limit of vehicle {k}", Articulation, limit)
+        offset, length = tables.offset[k], tables.length[k]
+        if not (abs(offset[:last]) <= length[1 : last + 1]).all() or offset[last:].any():
+            raise ValueError(
+                f"{kind} offset of vehicle {k} is {show(offset.tolist())}, but must be at most the"
+                " length of the trailer behind it, and 0 for the last unit"
+            )
+
+
+@kernel
+def write_vehicle(table, kind, truck_share, fleet, agent, lane):
+    """Give a HAV lengths, limits, hitches and bodies, and what follows from them.
+
+    Args:
+        table: has a row for each vehicle: ``num_trailers`` (V,), ``length``, ``offset`` and
+            ``limit`` (V, U), ``shape`` (V, U, 3), ``speed`` and ``steering`` (V,).
+        kind: which of its rows.
+        truck_share: share of the truck's length in the footprint radius d_i.
+        fleet: of a block of worlds.
+        agent: which HAV.
+        lane: which world.
+    """
+    last = table.num_trailers[kind]
+    fleet.num_trailers[agent, lane] = last
+    fleet.length[agent, :, lane] = math.inf
+    least = math.pi
+    for unit in range(1, last + 1):
+        least = min(least, table.limit[kind, unit])
+    set_limits(HavLimits(table.speed[kind], table.steering[kind], least), fleet, agent, lane)
+    for unit in range(last + 1):
+        fleet.length[agent, unit, lane] = table.length[kind, unit]
+        offset, limit = table.offset[kind, unit], table.limit[kind, unit]
+        hitch_trailer(fleet.joints, agent, unit, lane, offset, limit)
+        shape = table.shape[kind, unit]
+        if shape[HALF_WIDTH] >= 0.0:
+            shape_unit(
+                fleet.bodies, agent, unit, lane, shape[HALF_WIDTH], shape[FRONT], shape[REAR]
+            )
+    derive_radii(fleet, agent, lane, truck_share)
