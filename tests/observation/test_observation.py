@@ -52,7 +52,7 @@ class Witness:
         self.state, self.fleet = batch.worlds.state, batch.worlds.fleet
         self.w, self.num_goals = w, batch.scenario.num_goals
         self.places = self.state.x[:, w] + 1j * self.state.y[:, w]
-        self.sensing_range, self.rolls = batch.task.sensing_range, batch.worlds.rolls
+        self.sensing_range = batch.task.sensing_range
 
     def headings(self, agent):
         return self.state.heading[agent, : self.fleet.num_trailers[agent, self.w] + 1, self.w]
@@ -97,12 +97,6 @@ class Witness:
     def steering_along(self, agent, radius):
         steepest = self.fleet.limit[agent, STEERING, self.w]
         return min(math.atan(self.lengths(agent)[0] / radius) / steepest, 1.0)
-
-    def motion(self, agent):
-        """Return the columns of speed and steering, for a HAV with limited actuators."""
-        speed, steering = self.state.speed[agent, self.w], self.state.steering[agent, self.w]
-        limit = self.fleet.limit[agent, :, self.w]
-        return {"speed": speed / limit[SPEED], "steering": steering / limit[STEERING]}
 
     def own(self, agent, most):
         state, fleet, w = self.state, self.fleet, self.w
@@ -158,8 +152,7 @@ class Witness:
         ours, theirs = (Point(line.coords[0]) for line in (one, two))
         _, (x, y) = shortest_line(ours, two).coords
         frame = np.exp(-1j * self.headings(agent)[0])
-        stands = self.state.waiting[other, self.w] and not self.rolls
-        speed = 0.0 if stands else self.state.speed[other, self.w]
+        speed = 0.0 if self.state.waiting[other, self.w] else self.state.speed[other, self.w]
         there = complex(x - ours.x, y - ours.y) * frame
         nearness, exposed = (
             max(0.0, 1.0 - gap / 10.0) for gap in (abs(there), theirs.distance(one))
@@ -193,7 +186,6 @@ class Witness:
     def row(self, agent, observation, most):
         """Return all columns by name."""
         columns, found = self.own(agent, most), self.neighbors(agent)
-        columns |= self.motion(agent) if observation.motion else {}
         for rank in range(observation.neighbors):
             prefix = f"neighbor_{rank}_"
             if rank < len(found):
@@ -202,19 +194,15 @@ class Witness:
         return columns
 
 
-@pytest.mark.parametrize(
-    ("chains", "fronts", "motion"),
-    [(False, False, False), (True, False, False), (True, True, False), (False, True, True)],
-)
+@pytest.mark.parametrize(("chains", "fronts"), [(False, False), (True, False), (True, True)])
 @pytest.mark.parametrize("neighbors", [0, 2, 9])
 @pytest.mark.parametrize("scenario", ["paper-single", "swarm-10", "crossing-8", "column-5"])
-def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, fronts, motion):
+def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, fronts):
     num_worlds = budget(3, 1)
     process = DecisionProcess(
         num_worlds,
         scenario=scenario,
-        observation=Observation(neighbors, chains, fronts, motion),
-        vehicle="limited" if motion else "on_axle",
+        observation=Observation(neighbors, chains, fronts),
         task=Task(sensing_range=RANGE),
     )
     everywhere, told = np.ones(num_worlds, np.bool_), process.outcome()
@@ -258,15 +246,6 @@ def test_columns_of_more_neighbours_come_after_those_of_fewer():
     for most in (1, 4, 10):
         few, more = (name_columns(Observation(k), most) for k in (1, 3))
         assert more[: len(few)] == few
-
-
-@pytest.mark.parametrize("neighbors", [0, 2])
-def test_motion_adds_two_columns_behind_the_own_ones(neighbors):
-    without, within = (name_columns(Observation(neighbors, motion=m), 3) for m in (False, True))
-    last = within.index("articulation_sine_3")
-    assert within[: last + 1] == without[: last + 1]
-    assert within[last + 1 : last + 3] == ("speed", "steering")
-    assert within[last + 3 :] == without[last + 1 :]
 
 
 def test_distances_and_lengths_can_be_read_back():
