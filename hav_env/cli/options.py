@@ -41,6 +41,8 @@ def parse_options(
                 description=description,
                 args=arguments,
                 default=tyro.MISSING_NONPROP if default is None else default,
+                # the fields of a part of a model (bodies, a fleet) are options of the kind at hand
+                config=(tyro.conf.AvoidSubcommands,),
             )
     except SystemExit as stop:
         if not stop.code:

@@ -1,18 +1,22 @@
-"""This module reads a scenario that is written down from a JSON file."""
+"""This module reads a scenario from a JSON file; ``scenario.schema.json`` has its form."""
 
+import functools
+import importlib.resources
 import json
 import os
 from typing import Any
 
 from hav_env.models.annotations import show
+from hav_env.models.json_schema import check_document
 from hav_env.scenarios.explicit import Explicit, explicit
+from hav_env.vehicles.combinations import read_combination
 
 _MOST_BYTES = 2**26  # a swarm of 10,000 HAVs with 100 goals each
 _LIMIT_NAMES = ("speed_max", "steering_max", "articulation_max", "footprint_truck_share")
 
 
 def load_explicit(path: str | os.PathLike[str]) -> Explicit:
-    """Read a scenario from a JSON file (examples/two_havs.json shows the form).
+    """Read a scenario from a JSON file, such as examples/two_havs.json and examples/depot.json.
 
     The file is in UTF-8, UTF-16 or UTF-32, with a byte order mark or without.
 
@@ -49,18 +53,26 @@ def _collect(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
+@functools.cache
+def scenario_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a scenario that is written down."""
+    package = importlib.resources.files("hav_env.scenarios")
+    return json.loads((package / "scenario.schema.json").read_text(encoding="utf-8"))
+
+
 def _from_json(data: Any) -> Explicit:
-    if not isinstance(data, dict) or not isinstance(data.get("havs"), list):
-        raise ValueError('a scenario is an object with a list "havs"')
-    limits = {name: data[name] for name in data if name != "havs"}
-    unknown = sorted(set(limits) - set(_LIMIT_NAMES))
-    if unknown:
-        known = ", ".join(("havs", *_LIMIT_NAMES))
-        raise ValueError(f"unknown entry {show(unknown[0])}; known: {known}")
-    columns: dict[str, list] = {"lengths": [], "start": [], "goals": []}
+    check_document(scenario_schema(), data, "scenario")
+    vehicles = {
+        name: read_combination(name, told) for name, told in data.get("vehicles", {}).items()
+    }
+    columns: dict[str, Any] = {"lengths": [], "start": [], "goals": [], "bends": []}
     for agent, hav in enumerate(data["havs"]):
-        if not isinstance(hav, dict) or set(hav) != set(columns):
-            raise ValueError(f'HAV {agent} must have "lengths", "start" and "goals", and no more')
-        for name, column in columns.items():
-            column.append(hav[name])
-    return explicit(columns["lengths"], columns["start"], columns["goals"], **limits)
+        if ("lengths" in hav) == ("vehicle" in hav):
+            raise ValueError(f'HAV {agent} must have either "lengths" or "vehicle"')
+        name = hav.get("vehicle")
+        columns["lengths"].append(hav["lengths"] if name is None else vehicles.get(name, name))
+        columns["start"].append(hav["start"])
+        columns["goals"].append(hav["goals"])
+        columns["bends"].append(hav.get("bends", []))
+    limits: dict[str, Any] = {name: data[name] for name in _LIMIT_NAMES if name in data}
+    return explicit(**limits, **columns)

@@ -84,8 +84,17 @@ ACTUATORS = Registry(
     {"instant": Instant, "limited": Limited},
 )
 
+BODIES = Registry(
+    "bodies",
+    "hav_env.bodies",
+    lambda model_class: model_class in (Lines, Rectangles),
+    "it must be hav_env.vehicles.Lines or hav_env.vehicles.Rectangles",
+    {"lines": Lines, "rectangles": Rectangles},
+)
+
 __all__ = [
     "ACTUATORS",
+    "BODIES",
     "COMBINATIONS",
     "VEHICLES",
     "Combination",
