@@ -1,4 +1,4 @@
-"""The example of docs/vehicles.md runs, and its page names every vehicle."""
+"""The examples of docs/vehicles.md run, and its page names every vehicle."""
 
 import re
 import subprocess
@@ -10,10 +10,14 @@ from tests.support.paths import ROOT
 TEXT = (ROOT / "docs/vehicles.md").read_text()
 
 
-def test_the_example_runs():
-    (block,) = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+def test_the_examples_run():
+    blocks = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+    assert len(blocks) == 2
     done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", block], capture_output=True, text=True, check=True
+        [sys.executable, "-W", "error", "-c", "\n".join(blocks)],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert "EuroCombi" in done.stdout
     assert "25.25" in done.stdout
