@@ -170,6 +170,13 @@ def _check_union(name: str, kinds: tuple, value: Any) -> None:
     if value is None and type(None) in kinds:
         return
     *others, last = [kind for kind in kinds if kind is not type(None)]
+    models = [kind for kind in kinds if hasattr(kind, "_fields")]
+    if len(models) == len(kinds):  # the value's own kind says what is wrong with it
+        for model in models:
+            if isinstance(value, model):
+                return check_value(name, model, value)
+        allowed = " or ".join(map(with_article, models))
+        raise TypeError(f"{name} is {show(value)}, but must be {allowed}")
     for kind in others:
         try:
             return check_value(name, kind, value)

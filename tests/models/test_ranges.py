@@ -20,13 +20,16 @@ from hav_env import (
     Instant,
     Limited,
     Observation,
+    OffAxle,
     OnAxle,
     PlacementError,
     RandomFleet,
     RandomPoses,
+    Rectangles,
     Reward,
     Task,
     Yard,
+    catalogue_fleet,
     parallel_env,
 )
 from hav_env.maths.elementary import sincos
@@ -46,10 +49,12 @@ from hav_env.models.quantities import (
     Threads,
     Worlds,
 )
+from hav_env.scenarios import CatalogueFleet
 from tests.support.budgets import budget
 from train.curriculum import Curriculum
 
-MODELS = (Task, RandomFleet, RandomPoses, Crossing, Yard, Column, OnAxle, Observation, Reward)
+MODELS = (Task, RandomFleet, RandomPoses, Crossing, Yard, Column, OnAxle, OffAxle, Rectangles)
+MODELS += (Observation, Reward)
 MODELS += (Limited, AvoidJack, DubinsPursuit, Random, Reserve, Curriculum)
 FIELDS = [
     (model, field, *split_range(kind))
@@ -146,9 +151,9 @@ def test_flags_words_and_models_are_checked_too(model, field, kind, _):
         with pytest.raises((TypeError, ValueError), match=f"^it {field} is .*, but must be"):
             check_fields("it", model()._replace(**{field: value}))
     for value in get_args(kind) if get_origin(kind) else ():
-        check_fields(
-            "it", model()._replace(**{field: value() if isinstance(value, type) else value})
-        )
+        given = value() if isinstance(value, type) and value is not CatalogueFleet else value
+        given = catalogue_fleet("wb-67") if value is CatalogueFleet else given
+        check_fields("it", model()._replace(**{field: given}))
 
 
 def numbers_in(model, *without, **bounds):

@@ -81,6 +81,7 @@ import hashlib
 from hav_env import Batch
 from hav_env.world.lanes import view_of
 from hav_env.scenarios import Explicit, populate
+from hav_env.world.units.parts import arrays_in
 
 for kind in populate.table:
     for num_havs in (1, 2, 5):
@@ -90,8 +91,8 @@ for kind in populate.table:
         batch.reset(3)
         for w in range(5):
             world = view_of(batch.worlds, w)
-            arrays = [*world.state, *world.fleet, world.goals, world.nearby.count, *world.record]
-            found = hashlib.sha256(b"".join(array.tobytes() for array in arrays))
+            parts = world.state, world.fleet, world.goals, world.nearby.count, world.record
+            found = hashlib.sha256(b"".join(array.tobytes() for array in arrays_in(parts)))
             print(kind.__name__, num_havs, w, found.hexdigest())
 """
 
