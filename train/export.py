@@ -5,6 +5,7 @@ import torch
 
 from baselines.policies.network import Network, pack_layers
 from hav_env.mdp.decision_process import DecisionProcess
+from hav_env.vehicles import Lines, bodies_of, needs_hitches
 
 
 def network_of(
@@ -18,7 +19,8 @@ def network_of(
 
     Args:
         layers: from the observation (D,) to the means of both actions.
-        process: decision process of the training, which states the observation and ``frame_skip``.
+        process: decision process of the training, which states the observation, ``frame_skip`` and
+            the vehicle.
         mean: (D,) by which observations are normalized; none by default.
         variance: (D,), likewise.
         limit: to which normalized observations are cut.
@@ -38,4 +40,6 @@ def network_of(
         process.frame_skip,
         process.observation,
         process.batch.scenario.max_trailers,
+        hitched=needs_hitches(process.batch.vehicle),
+        rectangles=not isinstance(bodies_of(process.batch.vehicle), Lines),
     )

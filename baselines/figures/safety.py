@@ -14,10 +14,10 @@ import numpy as np
 import pyarrow as pa
 
 from baselines.cli.bounds import check_episodes, check_threads, check_whole
+from baselines.figures.drawn_havs import DARK, draw_units
 from baselines.figures.reserved_areas import circle_behind, path_ahead, remember, reserved_corners
 from baselines.figures.trajectory_plot import (
     BLUE,
-    DARK,
     GREY,
     HAV_COLORS,
     LIGHT,
@@ -195,8 +195,7 @@ def _draw_reserved(
 def _draw_chain(axes: Axes, trajectory: Trajectory, hav: int, state: int, color) -> None:
     """Draw a HAV, its number before it."""
     points = chain_points(trajectory, hav, state)
-    axes.plot(*points[1:].T, "-o", color=DARK, lw=1.0, ms=2, zorder=4)
-    axes.plot(*points[:2].T, "-", color=color, lw=2.8, zorder=5, solid_capstyle="butt")
+    draw_units(axes, trajectory, hav, state, color)
     ahead = points[0] - points[1]
     beside: dict = {"xytext": 8 * ahead / np.hypot(*ahead), "textcoords": "offset points"}
     style: dict = {"color": color, "fontsize": 7, "ha": "center", "va": "center", "zorder": 6}

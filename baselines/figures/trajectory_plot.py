@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from baselines.cli.markup import plot_text
+from baselines.figures.drawn_havs import DARK, draw_units, explain_units
 from baselines.figures.representative_episodes import Excerpt
-from baselines.replay.trajectory import Trajectory, chain_points
+from baselines.replay.trajectory import Trajectory, chain_points, front_points
 from baselines.storage.atomic_files import whole_file
 from hav_env import Task
 from hav_env.world.arrays import JACKKNIFE
 from hav_env.world.event_table import EVENTS
+from hav_env.world.units.parts import FRONT
 
 try:
     import matplotlib as mpl
@@ -27,7 +29,7 @@ except ImportError as error:
 
 # Okabe and Ito's colours, told apart with any colour vision and in grey
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#AA4499"
-DARK, GREY, LIGHT = "#333333", "#888888", "#CCCCCC"
+GREY, LIGHT = "#888888", "#CCCCCC"
 HAV_COLORS = (BLUE, ORANGE, GREEN, PURPLE)
 
 _WIDTH = 7.2  # inches, two columns of a paper
@@ -149,7 +151,7 @@ def draw_episode(
             axes.add_patch(Circle(center, trajectory.footprint[hav], **_footprint_style(hav)))
     if excerpt.joint is not None:
         hav, joint = excerpt.joint
-        x, y = chain_points(trajectory, hav, moment)[joint]
+        x, y = front_points(trajectory, hav, moment)[joint]
         axes.plot(x, y, "o", ms=13, mfc="none", mec=DARK, mew=1.2, zorder=6)
     axes.set(xlabel="x [m]", ylabel="y [m]", title=plot_text(title))
     axes.set_aspect("equal", adjustable="datalim")
@@ -251,11 +253,11 @@ def _draw_chains(
         if previous is not None and np.array_equal(points, previous):
             continue
         previous = points
-        axes.plot(*points[1:].T, "-o", color=DARK, lw=1.0, ms=2, zorder=4)
-        axes.plot(*points[:2].T, "-", color=_color(hav), lw=2.8, zorder=5, solid_capstyle="butt")
-        ahead = 9 * (points[0] - points[1]) / trajectory.length[hav, 0]
+        draw_units(axes, trajectory, hav, row, _color(hav))
+        ahead = (points[0] - points[1]) / trajectory.length[hav, 0]
+        overhang = 0.0 if trajectory.shape is None else trajectory.shape[hav, 0, FRONT]
         text = f"{trajectory.step[row] * dt:.0f} s"
-        _label(axes, points[0], text, DARK, ahead)
+        _label(axes, points[0] + overhang * ahead, text, DARK, 9 * ahead)
 
 
 def _fit_height(figure: Figure, axes: Axes) -> None:
@@ -273,7 +275,7 @@ def _legend(trajectory: Trajectory, rows: np.ndarray, excerpt: Excerpt, task: Ta
         if len(trajectory.num_trailers) > 1:
             name = f"HAV {hav}: {name}"
         handles.append(Line2D([], [], color=_color(hav), lw=2.8, label=name))
-    handles.append(Line2D([], [], color=DARK, lw=1, marker="o", ms=2, label="trailers and axles"))
+    handles += [Line2D([], [], **style) for style in explain_units(trajectory)]
     for goal in np.unique(trajectory.phase[rows]):
         label = f"truck's path to goal {goal + 1}"
         handles.append(Line2D([], [], color=line, label=label, **_path_style(goal)))

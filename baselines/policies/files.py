@@ -25,6 +25,7 @@ _MOST_POLICY_BYTES = 1 << 26  # unpacked
 _MOST_NAMED = 8  # columns in a message
 _MOST_HELD = 1_000_000  # steps that an action is held
 _ARRAYS = {"sizes": np.int64, "weights": np.float32, "mean": np.float64, "scale": np.float64}
+_TRAINED_ON = "hitched", "rectangles"  # what vehicles had; without a word, the paper's
 
 
 class Trained(NamedTuple):
@@ -54,6 +55,7 @@ def save_policy(policy: Network, path: pathlib.Path, about: dict[str, Any]) -> N
         "max_trailers": policy.max_trailers,
         "frame_skip": policy.frame_skip,
         "limit": policy.limit,
+        **{name: getattr(policy, name) for name in _TRAINED_ON},
     }
     told = {"layout": json.dumps(layout), "about": json.dumps(about)}
     for name, text in told.items():
@@ -106,6 +108,7 @@ def load_trained(path: str | pathlib.Path) -> Trained:
             observation,
             max_trailers,
             inputs,
+            *(_flag(layout, name) for name in _TRAINED_ON),
         )
         check_network(policy)
     except Exception as error:  # what is broken may break the reading anywhere
@@ -130,6 +133,13 @@ def _whole(layout: dict[str, Any], name: str, most: int) -> int:
     value = layout[name]
     if type(value) is not int or not 0 <= value <= most:
         raise ValueError(f"{name} is {value!r:.40}, but must be a whole number from 0 to {most}")
+    return value
+
+
+def _flag(layout: dict[str, Any], name: str) -> bool:
+    value = layout.get(name, False)
+    if type(value) is not bool:
+        raise ValueError(f"{name} is {value!r:.40}, but must be true or false")
     return value
 
 

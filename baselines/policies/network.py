@@ -21,7 +21,7 @@ from hav_env.observation import (
     settle,
 )
 from hav_env.policies.interface import act_lanes, check_parameters, check_rules, memory_size
-from hav_env.vehicles import is_instant
+from hav_env.vehicles import Lines, bodies_of, is_instant, needs_hitches
 from hav_env.world.sensing import episode_key, limits
 
 MOST_LAYERS, WIDEST_LAYER, MOST_WEIGHTS = 32, 8_192, 1 << 22
@@ -55,6 +55,10 @@ class Network(NamedTuple):
     inputs: np.ndarray = EVERY_COLUMN
     """(I,) int64: which columns of the observation are read, in the order of the first layer; with
     none, all columns are read in their order."""
+    hitched: bool = False
+    """Whether it was trained on vehicles whose trailers may be hitched off the axles."""
+    rectangles: bool = False
+    """Whether it was trained on bodies with a width."""
 
 
 # A HAV remembers its command [m/s, rad]. While it decides, it also holds what is worked out of its
@@ -133,6 +137,14 @@ def _(policy: Network, scenario, task, vehicle) -> None:
         raise ValueError(
             f"vehicle is {vehicle}, but the policy was trained for instant actuators: it does not"
             " observe its motion"
+        )
+    wide = not isinstance(bodies_of(vehicle), Lines)
+    if needs_hitches(vehicle) > policy.hitched or wide > policy.rectangles:
+        hitches = "anywhere" if policy.hitched else "on the axles"
+        bodies = "rectangles" if policy.rectangles else "lines"
+        raise ValueError(
+            f"vehicle is {vehicle}, but the policy was trained for trailers that are hitched"
+            f" {hitches} and bodies that are {bodies}"
         )
 
 

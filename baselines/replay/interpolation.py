@@ -37,6 +37,8 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         steering=np.nan_to_num(trajectory.motion[row, :, 1]),
         num_trailers=trajectory.num_trailers,
         length=trajectory.length,
+        offset=trajectory.offset,
+        shape=trajectory.shape,
         footprint=trajectory.footprint,
         articulation_max=trajectory.articulation_max,
         goal=trajectory.goals[np.arange(len(phase)), phase],

@@ -12,7 +12,8 @@ from hav_env.models.quantities import Steps
 from hav_env.policies.interface import check_models
 from hav_env.vehicles import OnAxle
 from hav_env.world.arrays import ARTICULATION, FOOTPRINT, HIT_STEP
-from hav_env.world.chain import axles_of
+from hav_env.world.chain import axles_of, corners_of, fronts_of
+from hav_env.world.units.reading import limits_in, offsets_in, shapes_in
 
 
 class Trajectory(NamedTuple):
@@ -34,8 +35,10 @@ class Trajectory(NamedTuple):
     evaded: np.ndarray  # (T, N) the HAV evaded in this state, NEVER for none
     num_trailers: np.ndarray  # (N,)
     length: np.ndarray  # (N, U) wheelbase and trailer lengths [m], inf beyond the last
+    offset: np.ndarray  # (N, U) how far behind the axle of a unit its trailer is hitched [m]
+    shape: np.ndarray | None  # (N, U, 3) bodies, columns HALF_WIDTH .. REAR [m]; None for lines
     footprint: np.ndarray  # (N,) radius d_i [m]
-    articulation_max: np.ndarray  # (N,) jackknifed beyond it [rad]
+    articulation_max: np.ndarray  # (N, U) jackknifed beyond it [rad]; void for trucks
     goals: np.ndarray  # (N, G, 3) x [m], y [m], heading [rad]
     first: np.ndarray  # (N, E, 2) rows of EVENTS: WHEN (step) and WHERE, or NEVER
     hit_step: np.ndarray  # (N, G) at which each goal was hit, or NEVER
@@ -81,8 +84,10 @@ def record_trajectory(
         **states._asdict(),
         num_trailers=fleet.num_trailers[:, 0].copy(),
         length=fleet.length[:, :, 0].copy(),
+        offset=offsets_in(fleet, 0),
+        shape=shapes_in(fleet, 0),
         footprint=fleet.radius[:, FOOTPRINT, 0].copy(),
-        articulation_max=fleet.limit[:, ARTICULATION, 0].copy(),
+        articulation_max=limits_in(fleet, 0, fleet.limit[:, ARTICULATION, 0]),
         goals=batch.worlds.goals[..., 0].copy(),
         first=record.first[..., 0].copy(),
         hit_step=record.goal[:, :, HIT_STEP, 0].astype(np.int64),
@@ -95,7 +100,7 @@ def record_trajectory(
 
 
 def chain_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray) -> np.ndarray:
-    """Return where the axles of a HAV are, the polygonal chain P_i.
+    """Return where the axles of a HAV are; hitched on axles, they are the polygonal chain P_i.
 
     Args:
         trajectory: the states.
@@ -106,6 +111,39 @@ def chain_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarra
         (..., K, 2) x and y [m], rows first: the truck's front axle, its rear axle, then the axle of
         each of the K - 2 trailers.
     """
+    return axles_of(*_units_at(trajectory, hav, rows))
+
+
+def front_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray) -> np.ndarray:
+    """Return where the front ends of a HAV's units are, the truck's front axle and the hitches.
+
+    Args are those of ``chain_points``.
+
+    Returns:
+        (..., K, 2) x and y [m], rows first, of K units.
+    """
+    return fronts_of(*_units_at(trajectory, hav, rows))
+
+
+def body_corners(
+    trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray
+) -> np.ndarray | None:
+    """Return the corners of a HAV's bodies, None where they are lines.
+
+    Args are those of ``chain_points``.
+
+    Returns:
+        (..., K, 4, 2) x and y [m], rows first, of K units, as from ``corners_of``.
+    """
+    if trajectory.shape is None:
+        return None
+    shape = trajectory.shape[hav, : trajectory.num_trailers[hav] + 1]
+    return corners_of(shape, *_units_at(trajectory, hav, rows))
+
+
+def _units_at(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray) -> tuple:
+    """Return the poses of a HAV, and of its units headings, lengths and offsets."""
     units = trajectory.num_trailers[hav] + 1
     x, y = trajectory.x[rows, hav], trajectory.y[rows, hav]
-    return axles_of(x, y, trajectory.heading[rows, hav, :units], trajectory.length[hav, :units])
+    heading, length = trajectory.heading[rows, hav, :units], trajectory.length[hav, :units]
+    return x, y, heading, length, trajectory.offset[hav, :units]

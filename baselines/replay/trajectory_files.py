@@ -36,8 +36,10 @@ _LAYOUT = {
     "evaded": ("i", "TN"),
     "num_trailers": ("iu", "N"),
     "length": ("f", "NU"),
+    "offset": ("f", "NU"),
+    "shape": ("f", "NUB"),
     "footprint": ("f", "N"),
-    "articulation_max": ("f", "N"),
+    "articulation_max": ("f", "NU"),
     "goals": ("f", "NG3"),
     "first": ("i", "NE2"),
     "hit_step": ("i", "NG"),
@@ -57,6 +59,8 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike) -> None:
         OSError: when the file cannot be written.
     """
     fields: dict = trajectory._asdict()
+    if trajectory.shape is None:
+        fields["shape"] = np.zeros((*trajectory.length.shape, 0))
     size = sum(np.asarray(value).nbytes for value in fields.values())
     if size > _MOST_BYTES_KEPT - _HEADS:
         raise ValueError(
@@ -98,12 +102,14 @@ def _read(file: BinaryIO) -> Trajectory:
     fields: dict[str, Any] = {
         name: array if array.ndim else array.item() for name, array in arrays.items()
     }
+    fields["shape"] = fields["shape"] if fields["shape"].shape[-1] else None
     return Trajectory(**fields)
 
 
 def _check_shapes(heads: dict[str, Head]) -> None:
     """Check the shapes before anything is read: of what belongs together they are the same."""
-    sizes = {"2": 2, "3": 3, "E": len(EVENTS)}
+    lines = heads["shape"].shape[-1:] == (0,)
+    sizes = {"2": 2, "3": 3, "E": len(EVENTS), "B": 0 if lines else 3}
     for name, (_, axes) in _LAYOUT.items():
         shape = heads[name].shape
         # the first array that has an axis says how long it is
@@ -123,7 +129,8 @@ def _check(trajectory: Trajectory) -> None:
     partners = trajectory.first[:, [event.row for event in EVENTS if event.company], WHERE]
     others = np.concatenate([trajectory.evaded.ravel(), partners.ravel()])
     when = np.concatenate([trajectory.hit_step.ravel(), trajectory.first[..., WHEN].ravel()])
-    lengths = trajectory.length[present]
+    lengths, limits = trajectory.length[present], trajectory.articulation_max[:, 1:][present[:, 1:]]
+    bodies = np.zeros(0) if trajectory.shape is None else trajectory.shape[present]
     laws = {
         "steps out of order": trajectory.step[0] >= 0 and (np.diff(trajectory.step) > 0).all(),
         "an impossible number of trailers": (
@@ -132,9 +139,8 @@ def _check(trajectory: Trajectory) -> None:
         "an impossible length": ((lengths > 0) & (lengths <= _MOST_METRES)).all(),
         "an impossible duration of a step": 0 < trajectory.dt <= _MOST_SECONDS,
         "an impossible duration": trajectory.step[-1] * trajectory.dt <= _MOST_SECONDS,
-        "an impossible limit": (
-            (trajectory.articulation_max > 0) & (trajectory.articulation_max <= np.pi)
-        ).all(),
+        "an impossible body": ((bodies >= 0) & (bodies <= _MOST_METRES)).all(),
+        "an impossible limit": ((limits > 0) & (limits <= np.pi)).all(),
         "a goal that there is not": (
             (trajectory.phase >= 0) & (trajectory.phase < trajectory.goals.shape[1])
         ).all(),
@@ -147,6 +153,7 @@ def _check(trajectory: Trajectory) -> None:
                 trajectory.x,
                 trajectory.y,
                 trajectory.heading[:, present],
+                trajectory.offset[present],
                 trajectory.footprint,
                 trajectory.goals,
                 # nothing is decided in the last state

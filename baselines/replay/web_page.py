@@ -14,7 +14,17 @@ from hav_env.world.event_table import EVENTS
 
 _STYLE, _SCRIPT, _EPISODE_SLOT = "__STYLE__", "__SCRIPT__", "__EPISODE__"  # where parts belong
 # what one function of JavaScript is put together from: each part uses what those before it define
-_SCRIPTS = ("episode", "colors", "view", "plane", "vehicles", "chart", "panel", "controls")
+_SCRIPTS = (
+    "episode",
+    "colors",
+    "view",
+    "plane",
+    "bodies",
+    "vehicles",
+    "chart",
+    "panel",
+    "controls",
+)
 _SHOWN_OF_EVENTS = ("place", "state", "happens", "sign", "color", "company", "harm")
 _MOST_UNITS_AWAY = 2**15 - 1  # of an axle: a HAV of 100 m is told to 3 mm
 
@@ -46,6 +56,10 @@ def template() -> str:
 def _pack(trajectory: Trajectory, speed: float) -> dict:
     """Return the episode as JSON, what changes from state to state as base64 of small numbers."""
     units = np.arange(trajectory.length.shape[1]) <= trajectory.num_trailers[:, None]  # (N, U)
+
+    def of_units(values: np.ndarray) -> list[list]:
+        return [row[present].tolist() for row, present in zip(values, units, strict=True)]
+
     # 32 bits tell millimetres apart within some kilometres of an origin in the middle
     places = trajectory.x, trajectory.y
     origin = [float(np.round((values.min() + values.max()) / 2)) for values in places]
@@ -58,11 +72,11 @@ def _pack(trajectory: Trajectory, speed: float) -> dict:
         "dt": trajectory.dt,
         "speed": speed,
         "origin": origin,
-        "lengths": [
-            row[present].tolist() for row, present in zip(trajectory.length, units, strict=True)
-        ],
+        "lengths": of_units(trajectory.length),
+        "hitchOffsets": of_units(trajectory.offset),
+        "shapes": None if trajectory.shape is None else of_units(trajectory.shape),
         "footprint": trajectory.footprint.tolist(),
-        "articulationMax": trajectory.articulation_max.tolist(),
+        "articulationMax": of_units(trajectory.articulation_max),
         "goals": (trajectory.goals - [*origin, 0.0]).tolist(),
         "events": [{key: getattr(event, key) for key in _SHOWN_OF_EVENTS} for event in EVENTS],
         "first": trajectory.first.tolist(),

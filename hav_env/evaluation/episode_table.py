@@ -99,7 +99,7 @@ def _trailer_lengths(records: HavRecords) -> pa.ListArray:
 
 def _joint_position(records: HavRecords) -> np.ndarray:
     """Return the Joint Position Metric (section V): 0 at the front axle, 1 at the last axle."""
-    ahead = records.at_joint(np.cumsum(records.length, axis=1), _joint(records))
+    ahead = records.at_joint(records.hitch_places, _joint(records))
     return ahead / records.vehicle_length
 
 

@@ -17,6 +17,7 @@ from hav_env.world.arrays import (
 )
 from hav_env.world.event_table import Event, happened
 from hav_env.world.task import Task
+from hav_env.world.units.reading import offsets_in
 
 
 class HavRecords:
@@ -30,6 +31,7 @@ class HavRecords:
         clock: (4, R).
         num_trailers: (R,).
         length: (R, U) [m], 0 beyond the last unit.
+        offset: (R, U) how far behind each axle the next trailer is hitched [m], 0 for the last.
         present: (R, U - 1) bool: the HAV has this trailer.
         radius: (R, 2) [m].
         start: (R, 3) start poses.
@@ -58,6 +60,8 @@ class HavRecords:
         self.present = np.arange(1, length.shape[1]) <= self.num_trailers[:, None]
         self.length = length.copy()
         self.length[:, 1:][~self.present] = 0.0
+        self.offset = self._rows(offsets_in(worlds.fleet, slice(None))).copy()
+        self.offset[:, :-1][~self.present] = self.offset[:, -1] = 0.0
         self.radius, self.start = self._rows(worlds.fleet.radius), self._rows(start)
         self.first, self.total = self._rows(worlds.record.first), self._rows(worlds.record.total)
         self.goals, self.goal = self._rows(worlds.goals), self._rows(worlds.record.goal)
@@ -76,8 +80,13 @@ class HavRecords:
 
     @functools.cached_property
     def vehicle_length(self) -> np.ndarray:
-        """(R,) sum of all lengths [m]."""
-        return self.length.sum(axis=1)
+        """(R,) from the front axle to the last one of a straight HAV [m]."""
+        return self.length.sum(axis=1) + self.offset.sum(axis=1)
+
+    @functools.cached_property
+    def hitch_places(self) -> np.ndarray:
+        """(R, U) how far behind a straight HAV's front axle the hitch of each unit is [m]."""
+        return np.cumsum(self.length, axis=1) + np.cumsum(self.offset, axis=1)
 
     def happened(self, event: Event) -> np.ndarray:
         """(R,) bool: the event has happened to the HAV."""

@@ -5,7 +5,9 @@ from gymnasium import spaces
 
 from hav_env.observation.columns import LENGTH_CUT, LENGTH_UNIT
 from hav_env.simulator.batch import Batch
-from hav_env.world.arrays import COSINE, PHASE, SINE, STEP, X, Y, is_removed
+from hav_env.world.arrays import ARTICULATION, COSINE, PHASE, SINE, STEP, Fleet, X, Y, is_removed
+from hav_env.world.units.parts import Hitches
+from hav_env.world.units.reading import limits_in, offsets_in, shapes_in
 
 POSITION_UNIT, MOST_POSITIONS = 100.0, 100.0  # [m]; where positions are cut
 _TILE = POSITION_UNIT * MOST_POSITIONS  # [m]
@@ -18,6 +20,8 @@ class CentralState:
         names: of the entries: the clock, then HAV after HAV. Positions are in 100 m from the
             origin, in a world far from it from the nearest point whose coordinates are multiples
             of 10 km; lengths are in 10 m, time in episodes. A HAV that was removed is all zeros.
+            Where trailers are hitched, their limits and the bodies of units stand only where the
+            vehicle has them.
         space: of the states.
     """
 
@@ -31,6 +35,7 @@ class CentralState:
             *("goal_x", "goal_y", "goal_heading_cosine", "goal_heading_sine"),
             *(f"length_{unit}" for unit in range(most + 1)),
             *(f"articulation_{part}_{j}" for part in ("cosine", "sine") for j in joints),
+            *_names_of_parts(batch.worlds.fleet, most),
         ]
         havs = range(batch.scenario.num_havs)
         self.names = ("time", *(f"hav_{k}_{name}" for k in havs for name in own))
@@ -62,6 +67,7 @@ class CentralState:
                 np.where(present, worlds.fleet.length[..., w] / LENGTH_UNIT, 0.0),
                 present[:, 1:] * (cosine[:, 1:] * ahead_cosine + sine[:, 1:] * ahead_sine),
                 present[:, 1:] * (sine[:, 1:] * ahead_cosine - cosine[:, 1:] * ahead_sine),
+                *_parts_of(worlds.fleet, w, present),
             ]
         )
         rows[is_removed(worlds, slice(None), w)] = 0.0
@@ -70,7 +76,37 @@ class CentralState:
         return row.clip(self.space.low, self.space.high)
 
 
+_BODY = ("half_width", "front_overhang", "rear_overhang")
+
+
+def _names_of_parts(fleet: Fleet, most: int) -> list[str]:
+    """Return the names of what ``_parts_of`` returns, given the largest number of trailers."""
+    names = []
+    if isinstance(fleet.joints, Hitches):
+        joint = ("hitch_offset", "articulation_limit")
+        names += [f"{name}_{j}" for name in joint for j in range(1, most + 1)]
+    if shapes_in(fleet, 0) is not None:
+        names += [f"{name}_{unit}" for name in _BODY for unit in range(most + 1)]
+    return names
+
+
+def _parts_of(fleet: Fleet, w: int, present: np.ndarray) -> list[np.ndarray]:
+    """Return what a world's joints and bodies have, columns of (N, ...); none for the paper's."""
+    columns, shapes = [], shapes_in(fleet, w)
+    if isinstance(fleet.joints, Hitches):
+        columns.append(present[:, 1:] * offsets_in(fleet, w)[:, :-1] / LENGTH_UNIT)
+        limits = limits_in(fleet, w, fleet.limit[:, ARTICULATION, w])
+        columns.append(present[:, 1:] * limits[:, 1:] / np.pi)
+    if shapes is not None:
+        columns += [present * shapes[..., k] / LENGTH_UNIT for k in range(len(_BODY))]
+    return columns
+
+
 def _bounds_of(name: str) -> tuple[float, float]:
+    if "hitch_offset" in name:
+        return -LENGTH_CUT, LENGTH_CUT
+    if any(part in name for part in _BODY):
+        return 0.0, LENGTH_CUT
     if name.endswith(("_x", "_y")):
         return -MOST_POSITIONS, MOST_POSITIONS
     if "length" in name:

@@ -6,8 +6,8 @@ from hav_env.rendering.camera import Camera, box
 from hav_env.rendering.canvas import Canvas
 from hav_env.rendering.colors import EVASION, GROUND, INK, PAPER, RED, color_of, mix
 from hav_env.rendering.scene import Scene, distance_shown
-from hav_env.rendering.vehicles import NUMBERED, TAG, breadth_of
-from hav_env.world.chain import axles_of
+from hav_env.rendering.vehicles import NUMBERED, TAG, breadth_of, overhang_of
+from hav_env.world.units.parts import HALF_WIDTH, REAR
 
 _WORDS_FIT = 3.0  # pixels per metre from which words have room
 
@@ -17,7 +17,11 @@ def draw_goal(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
     color, (x, y, heading) = color_of(hav), scene.goal[hav]
     length = max(scene.length[hav, 0], 13.0 / camera.scale)  # small ones are still to be seen
     half = max(0.5 * breadth_of(scene, hav), 3.5 / camera.scale)
-    ghost = camera.place((x, y, heading), box(-0.8 * half, length + 0.2 * half, half))
+    outline = -0.8 * half, length + 0.2 * half, half
+    if scene.shape is not None:
+        broad = max(scene.shape[hav, 0, HALF_WIDTH], 3.5 / camera.scale)
+        outline = -scene.shape[hav, 0, REAR], length + overhang_of(scene, hav), broad
+    ghost = camera.place((x, y, heading), box(*outline))
     far = camera.scale < NUMBERED
     ink = mix(color, GROUND, 0.45 if far else 0.1)
     canvas.fill(ghost, mix(color, GROUND, 0.82))
@@ -55,7 +59,8 @@ def draw_way_out(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None
 def goal_tips(scene: Scene, havs: np.ndarray) -> np.ndarray:
     """Return where the trucks' noses are at the goals of some HAVs, (len(havs), 2) [m]."""
     x, y, heading = scene.goal[havs].T
-    return axles_of(x, y, heading[:, None], scene.length[havs, :1])[:, 0]
+    ahead = scene.length[havs, 0] + [overhang_of(scene, hav) for hav in havs]
+    return np.stack([x + ahead * np.cos(heading), y + ahead * np.sin(heading)], axis=1)
 
 
 def draw_footprint(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:

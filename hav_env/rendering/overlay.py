@@ -9,13 +9,13 @@ from hav_env.rendering.ground import grid_spacing
 from hav_env.rendering.history import History
 from hav_env.rendering.scene import (
     Scene,
-    bends_of,
     count_flags,
     distance_shown,
     goals_shown,
     harms_of,
     lags_behind,
     motion_shown,
+    shares_of,
 )
 from hav_env.world.event_table import HARM
 
@@ -75,8 +75,7 @@ def _draw_list(canvas: Canvas, scene: Scene, top: float) -> float:
         state, color = _state_of(scene, hav)
         canvas.text(state, (2 * _EDGE + 40, middle), 18, color, "midleft")
         if not gone:
-            bend = bends_of(scene, hav).max(initial=0.0)
-            share = float(bend / scene.articulation_max[hav])
+            share = float(shares_of(scene, hav).max())
             canvas.bar(_PANEL - 46, middle - 3, 46, 6, PALE)
             canvas.bar(_PANEL - 46, middle - 3, 46 * min(share, 1.0), 6, color_of_bend(share))
     return top + height

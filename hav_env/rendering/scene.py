@@ -18,8 +18,9 @@ from hav_env.world.arrays import (
     World,
     is_removed,
 )
-from hav_env.world.chain import axles_of
+from hav_env.world.chain import axles_of, corners_of, fronts_of
 from hav_env.world.event_table import EVENTS, HARM, Event, happened
+from hav_env.world.units.reading import limits_in, offsets_in, shapes_in
 
 
 class Scene(NamedTuple):
@@ -34,8 +35,10 @@ class Scene(NamedTuple):
     steering: np.ndarray  # (N,) of the truck [rad], left positive
     num_trailers: np.ndarray  # (N,)
     length: np.ndarray  # (N, U) wheelbase, trailer lengths [m]; anything beyond the last unit
+    offset: np.ndarray  # (N, U) how far behind the axle of a unit its trailer is hitched [m]
+    shape: np.ndarray | None  # (N, U, 3) bodies, columns HALF_WIDTH .. REAR [m]; None for lines
     footprint: np.ndarray  # (N,) radius d_i round the truck's rear axle [m]
-    articulation_max: np.ndarray  # (N,) [rad]
+    articulation_max: np.ndarray  # (N, U) of the joint at the front of a unit [rad]; of trailers
     goal: np.ndarray  # (N, 3) goal pose under way: x [m], y [m], heading [rad]
     hits: np.ndarray  # (N,) goals hit so far
     num_goals: int
@@ -79,8 +82,10 @@ def scene_of(
         steering=state.steering[:, w].copy(),
         num_trailers=fleet.num_trailers[:, w].copy(),
         length=fleet.length[:, :, w].copy(),
+        offset=offsets_in(fleet, w),
+        shape=shapes_in(fleet, w),
         footprint=footprint,
-        articulation_max=fleet.limit[:, ARTICULATION, w].copy(),
+        articulation_max=limits_in(fleet, w, fleet.limit[:, ARTICULATION, w]),
         goal=state.goal[:, :3, w].copy(),
         hits=np.count_nonzero(record.goal[:, :, HIT_STEP, w] != NEVER, axis=1),
         num_goals=worlds.goals.shape[1],
@@ -112,9 +117,27 @@ def find_potential(
 
 def chain_of(scene: Scene, hav: int) -> np.ndarray:
     """Return where the axles of a HAV are, (trailers + 2, 2) as from ``axles_of`` [m]."""
+    return axles_of(*_units_of(scene, hav))
+
+
+def ends_of(scene: Scene, hav: int) -> np.ndarray:
+    """Return where the front axle and the hitches of a HAV are, (trailers + 1, 2) [m]."""
+    return fronts_of(*_units_of(scene, hav))
+
+
+def outlines_of(scene: Scene, hav: int) -> np.ndarray | None:
+    """Return the corners of a HAV's bodies, (trailers + 1, 4, 2) [m]; None where they are lines."""
+    if scene.shape is None:
+        return None
+    shape = scene.shape[hav, : scene.num_trailers[hav] + 1]
+    return corners_of(shape, *_units_of(scene, hav))
+
+
+def _units_of(scene: Scene, hav: int) -> tuple:
+    """Return the pose of a HAV, and of its units headings, lengths and offsets."""
     units = scene.num_trailers[hav] + 1
-    heading, length = scene.heading[hav, :units], scene.length[hav, :units]
-    return axles_of(scene.x[hav], scene.y[hav], heading, length)
+    columns = (scene.heading, scene.length, scene.offset)
+    return scene.x[hav], scene.y[hav], *(column[hav, :units] for column in columns)
 
 
 def has_had(scene: Scene, hav: int, event: Event) -> bool:
@@ -130,6 +153,11 @@ def harms_of(scene: Scene, hav: int) -> list[Event]:
 def bends_of(scene: Scene, hav: int) -> np.ndarray:
     """Return the size of every articulation of a HAV, (trailers,) [rad]."""
     return np.abs(np.diff(scene.heading[hav, : scene.num_trailers[hav] + 1]))
+
+
+def shares_of(scene: Scene, hav: int) -> np.ndarray:
+    """Return the size of every articulation of a HAV over its limit, (trailers,)."""
+    return bends_of(scene, hav) / scene.articulation_max[hav, 1 : scene.num_trailers[hav] + 1]
 
 
 def distance_shown(scene: Scene, hav: int) -> float:
@@ -201,8 +229,9 @@ def _describe_hav(scene: Scene, hav: int) -> str:
     dx, dy = scene.goal[hav, :2] - (scene.x[hav], scene.y[hav])
     bearing = np.arctan2(dy, dx) - scene.heading[hav, 0]
     side = _DIRECTIONS[round(bearing / (np.pi / 4)) % 8]
-    bend = np.degrees(bends_of(scene, hav).max(initial=0.0))
-    limit = np.degrees(scene.articulation_max[hav])
+    joint = int(np.argmax(shares_of(scene, hav)))
+    bend = np.degrees(bends_of(scene, hav)[joint])
+    limit = np.degrees(scene.articulation_max[hav, joint + 1])
     told = [
         f"{name} goal {scene.phase[hav] + 1}/{scene.num_goals}"
         f" {distance_shown(scene, hav):.1f} m {side}",

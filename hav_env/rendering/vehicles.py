@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from hav_env.rendering.bodies import draw_bodies
 from hav_env.rendering.camera import Camera, box
 from hav_env.rendering.canvas import Canvas
 from hav_env.rendering.colors import (
@@ -13,33 +14,49 @@ from hav_env.rendering.colors import (
     color_of_bend,
     mix,
 )
-from hav_env.rendering.scene import Scene, bends_of, chain_of, harms_of
+from hav_env.rendering.scene import Scene, chain_of, ends_of, harms_of, shares_of
+from hav_env.world.units.parts import FRONT, HALF_WIDTH
 
 _DETAILED = 7.0  # pixels of breadth from which wheels and cabs can be told
+_VISIBLE = 3.0  # pixels of breadth from which rectangles can be seen
 NUMBERED = 1.2  # pixels per metre from which numbers have room
 TAG = 9.0  # pixels, radius of a number's disc
 
 
 def breadth_of(scene: Scene, hav: int) -> float:
-    """Return how broad a HAV is drawn [m]; in the paper it has no breadth."""
+    """Return how broad a HAV is drawn [m]; lines have no breadth."""
+    if scene.shape is not None:
+        return 2.0 * float(scene.shape[hav, : scene.num_trailers[hav] + 1, HALF_WIDTH].max())
     return float(np.clip(0.4 * scene.length[hav, 0], 1.4, 2.4))
+
+
+def overhang_of(scene: Scene, hav: int) -> float:
+    """Return how far a truck sticks out ahead of its front axle [m]; lines do not."""
+    return 0.0 if scene.shape is None else float(scene.shape[hav, 0, FRONT])
 
 
 def draw_hav(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
     """Draw a HAV and its number."""
-    axles = chain_of(scene, hav)
-    if breadth_of(scene, hav) * camera.scale >= _DETAILED:
+    axles, ends = chain_of(scene, hav), ends_of(scene, hav)
+    pixels = breadth_of(scene, hav) * camera.scale
+    near = pixels >= _DETAILED
+    if scene.shape is not None and pixels >= _VISIBLE:
+        draw_bodies(canvas, camera, scene, hav, near)
+        draw = _draw_joints if near else _draw_bends
+        draw(canvas, camera, scene, hav, axles, ends)
+    elif near:
         for unit in range(scene.num_trailers[hav], 0, -1):
             _draw_trailer(canvas, camera, scene, hav, unit, axles[unit + 1])
         _draw_truck(canvas, camera, scene, hav, axles)
-        _draw_joints(canvas, camera, scene, hav, axles)
+        _draw_joints(canvas, camera, scene, hav, axles, ends)
     else:
-        _draw_chain(canvas, camera, scene, hav, axles)
+        _draw_chain(canvas, camera, scene, hav, axles, ends)
     front, rear = camera.project(axles[:2])
     troubled = bool(harms_of(scene, hav))
     if camera.scale >= NUMBERED:
         ahead = (front - rear) / max(float(np.hypot(*(front - rear))), 1e-9)
-        _draw_tag(canvas, scene, hav, front + (0.5 * camera.scale + 14.0) * ahead, troubled)
+        away = (0.5 + overhang_of(scene, hav)) * camera.scale + 14.0
+        _draw_tag(canvas, scene, hav, front + away * ahead, troubled)
     elif troubled:
         canvas.disc(rear, 4.5, RED)
         canvas.disc(rear, 2.0, PAPER)
@@ -90,37 +107,49 @@ def _draw_truck(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles) -
     canvas.fill(camera.place(pose, glass), mix(color, PAPER, 0.85))
 
 
-def _draw_joints(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles) -> None:
+def _draw_joints(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles, ends) -> None:
     """Draw drawbars and the bend of every joint, in the colour of how near it is to its limit."""
-    hitches, half = camera.project(axles[1:]), 0.5 * breadth_of(scene, hav) * camera.scale
-    bends = bends_of(scene, hav)
+    hitches, half = camera.project(ends[1:]), 0.5 * breadth_of(scene, hav) * camera.scale
+    places, shares = camera.project(axles[1:]), shares_of(scene, hav)
     for joint in range(scene.num_trailers[hav], 0, -1):
-        nearness = bends[joint - 1] / scene.articulation_max[hav]
+        nearness = shares[joint - 1]
         color = color_of_bend(nearness)
         hitch, length = hitches[joint - 1], scene.length[hav, joint]
-        along = (hitches[joint] - hitch) / (length * camera.scale)
-        bar = min(0.3 * length * camera.scale, 1.3 * half) + 0.25 * half
         if nearness > 0.25:  # the angle between straight on and where the trailer is
             ahead, behind = scene.heading[hav, [joint - 1, joint]] + np.pi
             angles = np.linspace(ahead, behind, 14)
             arc = hitch + 1.7 * half * np.stack([np.cos(angles), -np.sin(angles)], axis=1)
             canvas.fill(np.vstack([hitch, arc]), mix(color, GROUND, 0.45))
             canvas.stroke(arc, color, 1.5)
-        canvas.stroke([hitch, hitch + bar * along], color, max(1.5, 0.2 * half))
+        if scene.shape is None:
+            if scene.offset[hav, joint - 1] != 0.0:
+                arm = [places[joint - 1], hitch]
+                canvas.stroke(arm, mix(color_of(hav), INK, 0.45), max(1.5, 0.2 * half))
+            along = (places[joint] - hitch) / (length * camera.scale)
+            bar = min(0.3 * length * camera.scale, 1.3 * half) + 0.25 * half
+            canvas.stroke([hitch, hitch + bar * along], color, max(1.5, 0.2 * half))
         radius = max(2.2, 0.3 * half)
         canvas.disc(hitch, radius + 1.0, PAPER)
         canvas.disc(hitch, radius, color)
 
 
-def _draw_chain(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles) -> None:
+def _draw_bends(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles, ends) -> None:
+    """Mark the joints that are near their limits."""
+    breadth = breadth_of(scene, hav) * camera.scale
+    for hitch, share in zip(camera.project(ends[1:]), shares_of(scene, hav), strict=True):
+        if share > 0.5:
+            canvas.disc(hitch, max(2.4, 0.6 * breadth), color_of_bend(share))
+
+
+def _draw_chain(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles, ends) -> None:
     """Draw a HAV that is far away: lines of its lengths, an arrow head for the truck."""
     color, points = color_of(hav), camera.project(axles)
     breadth = breadth_of(scene, hav) * camera.scale
-    canvas.stroke(points[1:], mix(color, PAPER, 0.4), max(3.0, 0.9 * breadth))
-    nearness = bends_of(scene, hav) / scene.articulation_max[hav]
-    for hitch, share in zip(points[1:], nearness, strict=False):
-        if share > 0.5:
-            canvas.disc(hitch, max(2.4, 0.6 * breadth), color_of_bend(share))
+    line = points[1:]
+    if scene.offset[hav, : len(ends)].any():  # from axle to hitch to axle
+        line = np.insert(line, range(1, len(line)), camera.project(ends[1:]), axis=0)
+    canvas.stroke(line, mix(color, PAPER, 0.4), max(3.0, 0.9 * breadth))
+    _draw_bends(canvas, camera, scene, hav, axles, ends)
     rear, front = points[0] - points[1], points[1]
     ahead = rear / max(float(np.hypot(*rear)), 1e-9)
     aside = np.array([-ahead[1], ahead[0]])

@@ -24,7 +24,7 @@ from hav_env.rendering.marks import (
     goal_tips,
 )
 from hav_env.rendering.overlay import draw_overlay, sidebar_width
-from hav_env.rendering.scene import Scene, chain_of
+from hav_env.rendering.scene import Scene, chain_of, outlines_of
 from hav_env.rendering.vehicles import draw_hav
 from hav_env.rendering.window import Window
 
@@ -192,6 +192,8 @@ class Viewer:
         low, high = self._camera.seen()
         places = np.stack([scene.x[present], scene.y[present]], axis=1)
         reach = np.maximum(scene.footprint[present], 2.0 * scene.length[present, 0])[:, None]
+        if scene.shape is not None:  # no corner is farther from its axle, or front end
+            reach = reach + scene.shape[present].sum(axis=-1).max(axis=-1)[:, None]
         seen = ((places + reach > low) & (places - reach < high)).all(axis=1)
         return present[seen]
 
@@ -206,7 +208,9 @@ class Viewer:
             corners = center - reach, center + reach
         else:
             axles = [chain_of(scene, hav) for hav in present]
+            outlines = [outlines_of(scene, hav) for hav in present]
+            corners_of_all = [found.reshape(-1, 2) for found in outlines if found is not None]
             goals = [scene.goal[present, :2], goal_tips(scene, present)]
-            points = np.concatenate([*axles, *goals])
+            points = np.concatenate([*axles, *corners_of_all, *goals])
             corners = points.min(axis=0), points.max(axis=0)
         self._camera.aim(*corners, margin=_BORDER * self.size[1], zoom=self._zoom)

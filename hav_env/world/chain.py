@@ -2,8 +2,8 @@
 
 The truck's front end is its front axle, its length ahead of its rear axle. A trailer's is its
 hitch, and its own axle is its length behind. Trailers are hitched on the axle ahead of them, or as
-``fleet.joints`` tells. The simulator calls the kernels, and drawings call ``axles_of``; both add up
-from front to rear.
+``fleet.joints`` tells. The simulator calls the kernels. Drawings call ``axles_of``, ``fronts_of``
+and ``corners_of``. All add up from front to rear.
 """
 
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 
 from hav_env.compiled import kernel
 from hav_env.world.units.joints import unit_spans
+from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR
 
 
 @kernel
@@ -74,6 +75,30 @@ def fronts_of(x, y, heading: np.ndarray, length: np.ndarray, offset: Any = 0.0) 
         (..., K, 2) x and y [m].
     """
     return _fronts_of(x, y, heading, length, offset)[0]
+
+
+def corners_of(
+    shape: np.ndarray, x, y, heading: np.ndarray, length: np.ndarray, offset: Any = 0.0
+) -> np.ndarray:
+    """Return the corners of the bodies of units: of the rectangles that collide.
+
+    Args:
+        shape: (..., K, 3) columns HALF_WIDTH .. REAR [m].
+        x: (...) of the truck's rear axle [m].
+        y: (...) likewise [m].
+        heading: (..., K) of the units [rad], without any beyond the last.
+        length: (..., K) of the units [m].
+        offset: (..., K) how far behind the axle of each unit its trailer is hitched [m].
+
+    Returns:
+        (..., K, 4, 2) x and y [m]: rear right, front right, front left, rear left.
+    """
+    fronts, direction = _fronts_of(x, y, heading, length, offset)
+    ahead, behind = shape[..., FRONT], np.asarray(length) + shape[..., REAR]
+    along = np.stack([-behind, ahead, ahead, -behind], axis=-1)[..., None]
+    across = shape[..., HALF_WIDTH, None, None] * np.array([-1.0, -1.0, 1.0, 1.0])[:, None]
+    left = np.stack([-direction[..., 1], direction[..., 0]], axis=-1)
+    return fronts[..., None, :] + along * direction[..., None, :] + across * left[..., None, :]
 
 
 def _fronts_of(x, y, heading, length, offset) -> tuple[np.ndarray, np.ndarray]:

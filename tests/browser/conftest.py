@@ -10,11 +10,13 @@ from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.dubins_pursuit import DubinsPursuit
 from baselines.replay.trajectory import Trajectory, record_trajectory
 from baselines.replay.web_page import write_replay
-from hav_env import RandomPoses, Task
+from hav_env import OffAxle, RandomPoses, Rectangles, Task, catalogue_fleet
 from tests.browser.page_driver import state, wait_for
 from tests.support.budgets import budget
 
 SINGLE, PAIR, SWARM = (RandomPoses(num_havs=count) for count in (1, 2, 50))
+# carts on drawbars; fifth wheels ahead of axles
+REAL = RandomPoses(num_havs=4, fleet=catalogue_fleet(["baggage-train", "a-double"]))
 OPTIONS = (
     *("--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync"),
     *("--disable-background-networking", "--disable-component-update", "--window-size=1200,800"),
@@ -55,6 +57,10 @@ def trajectories() -> dict[str, Trajectory]:
             14,
             Task(max_steps=180, on_goal="remove"),
         ),
+        "real": record_trajectory(
+            AvoidJack(), REAL, 0, 0, Task(max_steps=budget(200, 20)), OffAxle(bodies=Rectangles())
+        ),
+        "hitched": record_trajectory(AvoidJack(), REAL, 0, 0, Task(max_steps=20), OffAxle()),
         "moment": record_trajectory(AvoidJack(), SINGLE, 0, 0, Task(max_steps=1)),
     }
 

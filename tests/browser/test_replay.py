@@ -9,6 +9,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 
+from baselines.replay.trajectory import body_corners, front_points
 from baselines.replay.web_page import template
 from tests.browser.page_driver import (
     click_at,
@@ -102,7 +103,30 @@ def test_vehicles_are_where_the_episode_has_them(page, trajectories):
         assert np.abs(place_of(driver, hav) - place).max() < 0.1
 
 
-@pytest.mark.parametrize(("name", "count"), [("single", 1), ("pair", 2), ("swarm", 50)])
+def test_bodies_are_drawn_where_they_collide(page, trajectories):
+    driver, trajectory = page("real"), trajectories["real"]
+    origin = [np.round((axis.min() + axis.max()) / 2) for axis in (trajectory.x, trajectory.y)]
+    for row in (0, len(trajectory.step) // 2, -1):
+        seek(driver, trajectory.step[row] * 0.2)
+        for hav in range(4):
+            script = f"return window.replay.cornersOf({hav})"
+            shown = np.array(driver.execute_script(script)) + origin
+            np.testing.assert_allclose(shown, body_corners(trajectory, hav, row), atol=0.02)
+
+
+def test_hitches_are_drawn_behind_and_ahead_of_axles(page, trajectories):
+    driver, trajectory = page("hitched"), trajectories["hitched"]
+    origin = [np.round((axis.min() + axis.max()) / 2) for axis in (trajectory.x, trajectory.y)]
+    seek(driver, trajectory.step[-1] * 0.2)
+    assert driver.execute_script("return window.replay.cornersOf(0)") is None  # bodies are lines
+    for hav in range(4):
+        shown = np.array(driver.execute_script(f"return window.replay.frontsOf({hav})")) + origin
+        np.testing.assert_allclose(shown, front_points(trajectory, hav, -1), atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "count"), [("single", 1), ("pair", 2), ("swarm", 50), ("real", 4), ("hitched", 4)]
+)
 def test_all_vehicles_are_drawn(name, count, page):
     driver = page(name)
     assert state(driver, "numHavs") == state(driver, "vehiclesDrawn") == count

@@ -9,12 +9,13 @@ import pytest
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.dubins_pursuit import DubinsPursuit
 from baselines.policies.random import Random
-from hav_env import Batch, PlacementError, RandomPoses
+from hav_env import Batch, OffAxle, PlacementError, RandomPoses
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.evaluation.rollout import rollout
 from hav_env.policies.interface import allocate_memory, check_policy, memory_size
 from hav_env.world import arrays as columns
 from hav_env.world.arrays import allocate_worlds
+from tests.support.worlds import catalogue_like
 
 LENGTHS = {  # by world and HAV
     (0, 0): [4.0, 6.0, 2.0, 8.0],
@@ -124,6 +125,18 @@ def test_the_joint_position_metric_is_the_share_of_the_vehicle_ahead_of_the_join
     assert row["joint_position"] == pytest.approx(position)
     assert row["joint_length_difference"] == pytest.approx(difference)
     assert not any(other["jackknifed"] for other in rows)
+
+
+def test_hitches_off_the_axles_move_the_joints_of_a_vehicle():
+    """Seen from the front axle of a straight HAV; behind the last one nothing is hitched."""
+    worlds = catalogue_like(OffAxle()).worlds
+    worlds.fleet.joints.offset[0, 3:] = 7.0
+    places = np.array([4.5 + 1.0, 8.0, 8.0 + 6.0 - 0.6])
+    for joint in (1, 2, 3):
+        worlds.record.first[:, columns.JACKKNIFE, :, 0] = [[12, joint], [-1, -1]]
+        row, _ = tabulate(worlds, np.zeros((2, 3, 1)), AvoidJack()).to_pylist()
+        assert row["vehicle_length"] == pytest.approx(20.4)
+        assert row["joint_position"] == pytest.approx(places[joint - 1] / 20.4)
 
 
 def test_collisions_name_step_and_partner(records):

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from hav_env import parallel_env
+from hav_env import OffAxle, OnAxle, Rectangles, parallel_env
+from hav_env.mdp.central_state import CentralState
 from hav_env.world.arrays import FOOTPRINT
 from tests.support.budgets import budget
+from tests.support.worlds import catalogue_like, open_plane
 
 
 def made(**settings):
@@ -61,6 +63,35 @@ def test_the_state_is_the_arrays_of_the_world(scenario):
                 worlds.fleet.radius[k, FOOTPRINT, 0], rel=1e-5
             )
         env.step({agent: rng.uniform(-1, 1, 2) for agent in env.agents})
+
+
+def test_hitches_and_bodies_are_in_the_state_of_vehicles_that_have_them():
+    """Others have the names of the paper's alone."""
+    paper = CentralState(open_plane(1, 2, 3)).names
+    for vehicle in (OnAxle(bodies=Rectangles()), OffAxle(), OffAxle(bodies=Rectangles())):
+        hitched, wide = vehicle != OnAxle(bodies=Rectangles()), vehicle != OffAxle()
+        batch = catalogue_like(vehicle) if hitched else open_plane(1, 2, 3, vehicle=vehicle)
+        fleet, central = batch.worlds.fleet, CentralState(batch)
+        fleet.num_trailers[1] = 2
+        told = dict(zip(central.names, central.read(), strict=True))
+        assert central.space.contains(central.read())
+        assert [name for name in told if name in paper] == list(paper)
+        expected = {}
+        for hav, trailers in enumerate(fleet.num_trailers[:, 0]):
+            for joint in range(1, 4) if hitched else ():
+                there = joint <= trailers
+                offset = fleet.joints.offset[hav, joint - 1, 0] / 10.0 * there
+                limit = fleet.joints.limit[hav, joint, 0] / np.pi * there
+                expected[f"hav_{hav}_hitch_offset_{joint}"] = offset
+                expected[f"hav_{hav}_articulation_limit_{joint}"] = limit
+            for unit in range(4) if wide else ():
+                body = fleet.bodies.shape[hav, unit, :, 0] / 10.0 * (unit <= trailers)
+                parts = "half_width", "front_overhang", "rear_overhang"
+                expected |= {f"hav_{hav}_{part}_{unit}": body[k] for k, part in enumerate(parts)}
+        assert told.keys() - set(paper) == expected.keys()
+        for name, value in expected.items():
+            assert told[name] == pytest.approx(value), name
+        assert min(expected.values()) < 0.0 or not hitched
 
 
 def test_a_state_that_was_told_stays_as_it_was():

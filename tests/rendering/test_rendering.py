@@ -34,8 +34,10 @@ def scene(num_havs=1, num_trailers=2, **changed) -> Scene:
         steering=nothing,
         num_trailers=np.full(num_havs, num_trailers),
         length=np.full((num_havs, units), 5.0),
+        offset=np.zeros((num_havs, units)),
+        shape=None,
         footprint=np.full(num_havs, 5.0 * num_trailers),
-        articulation_max=np.full(num_havs, np.pi / 2),
+        articulation_max=np.full((num_havs, units), np.pi / 2),
         goal=np.stack([nothing + 40.0, places, nothing], axis=1),
         hits=np.zeros(num_havs, int),
         num_goals=2,
@@ -135,7 +137,7 @@ def test_the_colour_of_an_articulation_follows_the_share_of_its_limit():
     assert color_of_bend(0.2) == CALM
     assert color_of_bend(0.75) == AMBER
     assert color_of_bend(1.0) == color_of_bend(1.9) == RED
-    narrow = bent(0.5, articulation_max=np.array([0.5]))
+    narrow = bent(0.5, articulation_max=np.full((1, 3), 0.5))
     assert len(where(frame_of(narrow, size=(640, 480)), RED))
 
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from hav_env import Batch, Explicit, RandomFleet, RandomPoses, Task, explicit
-from hav_env.world.arrays import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE
+from hav_env.world.arrays import COSINE, DISTANCE, FOOTPRINT, SINE, STABLE, derive_radii
 from hav_env.world.lanes import view_of
-from hav_env.world.units.parts import arrays_in
+from hav_env.world.units.parts import Outlines, arrays_in
 
 ALL = slice(None)
 
@@ -111,3 +111,26 @@ def side_by_side(*distances, gap=30.0) -> Explicit:
     start = [[0.0, gap * k, 0.0] for k in range(len(distances))]
     goals = [[[far, gap * k, 0.0]] for k, far in enumerate(distances)]
     return explicit([[3.0, 4.0]] * len(distances), start, goals)
+
+
+CATALOGUE_BODIES = ((1.25, 1.4, 0.9), (0.1, 0.0, 0.0), (1.25, 0.8, 1.2), (1.2, 0.9, 1.5))
+
+
+def catalogue_like(vehicle):
+    """Return a pair as real vehicles are: truck, drawbar, body, and a semitrailer on that.
+
+    The truck's hitch is 1 m behind its axle, the last one 0.6 m ahead of the body's axle. Where the
+    vehicle has bodies, they are ``CATALOGUE_BODIES``.
+    """
+    batch = open_plane(1, 2, 3, vehicle=vehicle)
+    worlds = batch.worlds
+    limit(worlds, speed=5.0)
+    headings = np.array([0.3, 0.05, -0.15, -0.3])
+    for hav, turn in enumerate((1.0, -2.0)):
+        put(worlds, [4.5, 2.5, 6.0, 7.0], 0.0, 14.0 * hav, turn * headings, agent=hav)
+        hitch(worlds, [1.0, 0.0, -0.6], [1.3, 1.0, 1.5], agent=hav)
+        if isinstance(worlds.fleet.bodies, Outlines):
+            worlds.fleet.bodies.shape[hav, :4, :, 0] = CATALOGUE_BODIES
+        derive_radii(worlds.fleet, hav, 0, 0.0)
+        aim(worlds, hav, 0, 30.0, 14.0 * hav + 5.0, 0.4)
+    return batch

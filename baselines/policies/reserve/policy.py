@@ -6,9 +6,13 @@ from typing import NamedTuple
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes
 from baselines.policies.reserve.multi_agent import act_among_others
-from baselines.policies.reserve.preconditions import LEAST_MARGIN, check_range, check_step
+from baselines.policies.reserve.preconditions import (
+    LEAST_MARGIN,
+    check_predicted,
+    check_range,
+    check_step,
+)
 from baselines.policies.reserve.single_agent import act_alone
-from hav_env import OnAxle
 from hav_env.compiled import contiguous
 from hav_env.models.quantities import Angle, Distance, Duration, Factor, Steps
 from hav_env.policies.interface import (
@@ -91,8 +95,7 @@ def _(policy: Reserve, scenario) -> None:
 
 @check_rules.register
 def _(policy: Reserve, scenario, task, vehicle) -> None:
-    if vehicle != OnAxle():
-        raise ValueError(f"vehicle is {vehicle}, but Reserve has its proof for {OnAxle()} alone")
+    check_predicted(vehicle)
     if task.goal_speed < scenario.fleet.speed_max:
         raise ValueError(
             f"task goal_speed is {task.goal_speed}, but must be at least speed_max,"

@@ -1,17 +1,39 @@
 """This module checks what the theorems on Reserve assume.
 
-The checks concern the lengths, the speeds and the sensing of a scenario. They run before a HAV
-drives.
+The checks concern the vehicle, and the lengths, the speeds and the sensing of a scenario. They run
+before a HAV drives.
 """
 
 import math
 from typing import Any
 
-from hav_env.models.protocols import Scenario
+from hav_env import OnAxle
+from hav_env.models.protocols import Scenario, Vehicle
 
 LEAST_MARGIN = 0.01  # [m] the smallest share of it that a HAV keeps is far above rounding
 MAX_CIRCLE_STEPS = 100_000  # of two turns of the widest circle; with more a decision takes seconds
 CIRCLE_FACTOR = 1.02  # radius of the endless circle over the least one: room for discrete steps
+
+
+def check_predicted(vehicle: Vehicle) -> None:
+    """Check that a vehicle is the one whose every step Reserve predicts.
+
+    Args:
+        vehicle: The vehicle, whose joints are on the axles, whose bodies are lines and whose
+            actuators are instant.
+
+    Raises:
+        ValueError: It is another one, or has other parts. The message names both.
+    """
+    if not _same(vehicle, OnAxle()):
+        raise ValueError(f"vehicle is {vehicle}, but Reserve has its proof for {OnAxle()} alone")
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Tell whether two models are the same; as tuples, those of two empty classes are equal."""
+    if type(one) is not type(other):
+        return False
+    return all(map(_same, one, other)) if isinstance(one, tuple) else one == other
 
 
 def check_step(scenario: Scenario, policy: Any) -> None:

@@ -34,9 +34,10 @@ function drawChart() {
 const jointColor = (hav, joint) => blend(theme.joints, (joint - 1) / Math.max(lengths[hav].length - 2, 1));
 
 function plotChart(width, height, scale) {
-  const hav = state.selected, joints = lengths[hav].length - 1, limit = articulationMax[hav];
+  const hav = state.selected, joints = lengths[hav].length - 1;
+  const limits = [...new Set(articulationMax[hav].slice(1))];
   const bends = Array.from(steps, (_, row) => articulations(hav, row));
-  let most = limit;
+  let most = Math.max(...limits);
   for (const row of bends) for (const bend of row) most = Math.max(most, Math.abs(bend));
   most *= 1.12;
   const across = (time) => plot.left + (width - plot.left - plot.right) * (duration > 0 ? time / duration : 0);
@@ -58,7 +59,8 @@ function plotChart(width, height, scale) {
     pen.setLineDash([]);
   };
   pen.textAlign = "right";
-  for (const [angle, color, dash] of [[0, theme.line, []], [limit, theme.alert, [5, 3]], [-limit, theme.alert, [5, 3]]]) {
+  const drawn = limits.flatMap((limit) => [limit, -limit]).map((limit) => [limit, theme.alert, [5, 3]]);
+  for (const [angle, color, dash] of [[0, theme.line, []], ...drawn]) {
     line(angle, color, dash);
     pen.fillStyle = angle === 0 ? theme.faint : theme.alert;
     pen.fillText(`${Math.round(angle * DEGREES)}°`.replace("-", "−"), plot.left - 5, up(angle));

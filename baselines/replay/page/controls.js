@@ -52,15 +52,16 @@ for (const end of ["pointerup", "pointercancel"]) {
 
 /** Return the HAV whose chain passes near a place on the screen, null for none. */
 function havNear(px, py) {
-  let nearest = null, least = Math.max(14, 0.5 * WIDTH * view.scale + 4);
+  let nearest = null, least = Infinity;
   current.poses.forEach((pose, hav) => {
     if (removed[current.row * numHavs + hav]) return;
-    for (let k = 1; k < pose.points.length; k++) {
-      const [ax, ay] = onScreen(...pose.points[k - 1]), [bx, by] = onScreen(...pose.points[k]);
+    const line = lineOf(hav, pose), most = Math.max(14, 0.5 * widthOf(hav) * view.scale + 4);
+    for (let k = 1; k < line.length; k++) {
+      const [ax, ay] = onScreen(...line[k - 1]), [bx, by] = onScreen(...line[k]);
       const square = (bx - ax) ** 2 + (by - ay) ** 2;
       const along = square ? clip(((px - ax) * (bx - ax) + (py - ay) * (by - ay)) / square, 0, 1) : 0;
       const gap = Math.hypot(px - ax - along * (bx - ax), py - ay - along * (by - ay));
-      if (gap < least) { least = gap; nearest = hav; }
+      if (gap < Math.min(least, most)) { least = gap; nearest = hav; }
     }
   });
   return nearest;
@@ -114,7 +115,7 @@ paintPanel();
 [view.width, view.height] = [plane.clientWidth, plane.clientHeight];
 fit();
 
-/** For tests and the console: what is shown, and where a HAV is on the page. */
+/** For tests and the console: what is shown, where a HAV is on the page, and its bodies and hitches. */
 window.replay = {
   get time() { return state.time; },
   get duration() { return duration; },
@@ -129,4 +130,6 @@ window.replay = {
     const [px, py] = onScreen(x, y);
     return [left + px, top + py];
   },
+  cornersOf(hav) { return current.poses[hav].corners; },
+  frontsOf(hav) { return current.poses[hav].fronts; },
 };

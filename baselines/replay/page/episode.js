@@ -18,7 +18,7 @@ const driving = decode(episode.driving, Float32Array);
 const steerings = decode(episode.steering, Int16Array);
 const evaded = decode(episode.evaded, Int16Array);
 const removed = decode(episode.removed, Uint8Array);
-const { dt, lengths, axleUnit, footprint, articulationMax, goals, first, hitStep } = episode;
+const { dt, lengths, hitchOffsets, shapes, axleUnit, footprint, articulationMax, goals, first, hitStep } = episode;
 const numRows = steps.length, numHavs = lengths.length, numGoals = goals[0].length;
 const duration = steps[numRows - 1] * dt;
 const unitsBefore = [0];
@@ -26,7 +26,9 @@ for (const units of lengths) unitsBefore.push(unitsBefore[unitsBefore.length - 1
 const rowUnits = unitsBefore[numHavs];
 const kinds = episode.events.map((kind, row) => ({ ...kind, row }));  // of events, see EVENTS
 const NEVER = -1, DEGREES = 180 / Math.PI;
-const WIDTH = 2.4;  // of a vehicle [m]; the simulator's have none
+const LINE_WIDTH = 2.4;  // of a vehicle whose bodies are lines [m], as it is drawn
+/** Return how wide a HAV is drawn [m]. */
+const widthOf = (hav) => (shapes === null ? LINE_WIDTH : 2 * Math.max(...shapes[hav].map(([half]) => half)));
 
 const happened = (step) => step !== NEVER && step * dt <= state.time + 1e-9;
 const seconds = (time) => `${time.toFixed(1)} s`;
@@ -58,11 +60,19 @@ function offsetsOf(hav, row, share = 0) {
   return points;
 }
 
-/** Return where units head that reach from each of some points to the next [rad]. */
-const headingsOf = (points) => points.slice(1).map(
-  ([x, y], unit) => Math.atan2(points[unit][1] - y, points[unit][0] - x));
+/** Return where the front ends of a HAV's units are, and where these head [rad], given its axles. */
+function unitsOf(hav, points) {
+  const fronts = [points[0]], angles = [];
+  points.slice(1).forEach(([x, y], unit) => {
+    const [fx, fy] = fronts[unit], angle = Math.atan2(fy - y, fx - x), offset = hitchOffsets[hav][unit];
+    angles.push(angle);
+    fronts.push(offset === 0 ? [x, y] : [x - offset * Math.cos(angle), y - offset * Math.sin(angle)]);
+  });
+  fronts.pop();  // nothing is hitched to the last one
+  return { fronts, angles };
+}
 
-/** Return where the axles of a HAV are and where its units head, between two rows. */
+/** Return where axles and hitches of a HAV are and where its units head, between two rows. */
 function poseOf(hav, row, share) {
   const next = Math.min(row + 1, numRows - 1);
   const between = (values) => {
@@ -70,13 +80,28 @@ function poseOf(hav, row, share) {
     return from + share * (values[next * numHavs + hav] - from);
   };
   const x = between(xs), y = between(ys), offsets = offsetsOf(hav, row, share);
-  const points = offsets.map(([dx, dy]) => [x + dx, y + dy]);
-  return { x, y, angles: headingsOf(offsets), points };
+  const { fronts, angles } = unitsOf(hav, offsets), move = ([dx, dy]) => [x + dx, y + dy];
+  const pose = { x, y, angles, points: offsets.map(move), fronts: fronts.map(move) };
+  return { ...pose, corners: shapes === null ? null : cornersOf(hav, pose) };
+}
+
+/** Return the line through axles and hitches of a HAV, from front to rear. */
+const lineOf = (hav, { points, fronts }) => points.flatMap((point, k) => (
+  k > 0 && k < fronts.length && hitchOffsets[hav][k - 1] !== 0 ? [point, fronts[k]] : [point]));
+
+/** Return the corners of a HAV's bodies, each unit's from its rear right one on. */
+function cornersOf(hav, pose) {
+  return pose.angles.map((angle, unit) => {
+    const [half, front, rear] = shapes[hav][unit], [x, y] = pose.fronts[unit];
+    const [cosine, sine] = [Math.cos(angle), Math.sin(angle)], behind = -lengths[hav][unit] - rear;
+    const corners = [[behind, -half], [front, -half], [front, half], [behind, half]];
+    return corners.map(([along, left]) => [x + along * cosine - left * sine, y + along * sine + left * cosine]);
+  });
 }
 
 /** Return all articulations of a HAV [rad], that of joint k at k - 1. */
 function articulations(hav, row) {
-  const angles = headingsOf(offsetsOf(hav, row));
+  const { angles } = unitsOf(hav, offsetsOf(hav, row));
   return angles.slice(1).map((angle, k) => wrap(angle - angles[k]));
 }
 

@@ -28,6 +28,14 @@ function listEvents() {
   return list.sort((one, two) => one.time - two.time);
 }
 
+/** Return how long a HAV is that stands straight [m]. */
+function overallLength(hav) {
+  const last = lengths[hav].length - 1;
+  const behind = (unit) => lengths[hav][unit] + (unit < last ? hitchOffsets[hav][unit] : 0);
+  const chain = lengths[hav].reduce((sum, _, unit) => sum + behind(unit), 0);
+  return shapes === null ? chain : chain + shapes[hav][0][1] + shapes[hav][last][2];
+}
+
 function element(tag, text = "", kind = "") {
   const made = document.createElement(tag);
   made.textContent = text;
@@ -40,7 +48,7 @@ function buildPanel() {
   document.title = `${policy}, ${scenario}, seed ${seed}, episode ${number}`;
   find("title").textContent = policy;
   find("subtitle").textContent = `${scenario}, seed ${seed}, episode ${number}`;
-  const limits = articulationMax.map((limit) => Math.round(limit * DEGREES));
+  const limits = articulationMax.flatMap((own) => own.slice(1)).map((limit) => Math.round(limit * DEGREES));
   find("limit").textContent = limits.every((limit) => limit === limits[0]) ? `limit, ${limits[0]}°` : "limit";
   for (const event of events) {
     const button = element("button");
@@ -57,7 +65,7 @@ function buildPanel() {
   find("events").querySelector("p").hidden = events.length > 0;
   for (let hav = 0; hav < numHavs; hav++) {
     const button = element("button"), trailers = lengths[hav].length - 1;
-    const total = lengths[hav].reduce((sum, length) => sum + length, 0);
+    const total = overallLength(hav);
     button.append(
       element("span", hav, "chip"),
       element("span", `${trailers} trailer${trailers > 1 ? "s" : ""}, ${total.toFixed(0)} m`),

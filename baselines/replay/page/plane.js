@@ -159,11 +159,25 @@ function drawTrail(hav, row, pose) {
   ctx.globalAlpha = 1;
 }
 
+/** Trace a truck that points ahead; with a rectangle for its body, that, and the point inside. */
+function traceGoal(hav, length, half) {
+  const [rear, shoulder, nose] = shapes === null ? [-0.12 * length, 0.72 * length, 1.12 * length]
+    : [-shapes[hav][0][2], length + shapes[hav][0][1] - half, length + shapes[hav][0][1]];
+  ctx.beginPath();
+  if (shapes !== null) ctx.rect(rear, -half, nose - rear, 2 * half);
+  ctx.moveTo(rear, -half);
+  ctx.lineTo(shoulder, -half);
+  ctx.lineTo(nose, 0);
+  ctx.lineTo(shoulder, half);
+  ctx.lineTo(rear, half);
+  ctx.closePath();
+}
+
 /** Draw a goal as the truck that should stand there, its rear axle on the cross. */
 function drawGoal(hav, phase, pose) {
   const [x, y, heading] = goals[hav][phase], chosen = hav === state.selected;
   const pixel = 1 / view.scale, reached = isWaiting(hav, phase);
-  const length = Math.max(lengths[hav][0], 15 * pixel), half = Math.max(WIDTH, 7 * pixel) / 2;
+  const length = Math.max(lengths[hav][0], 15 * pixel), half = Math.max(widthOf(hav), 7 * pixel) / 2;
   if (chosen && !reached) {
     flat();
     ctx.beginPath();
@@ -180,13 +194,7 @@ function drawGoal(hav, phase, pose) {
   enter(x, y, heading);
   ctx.strokeStyle = ctx.fillStyle = colorOf(hav);
   ctx.lineWidth = (chosen ? 2.5 : 1.75) * pixel;
-  ctx.beginPath();
-  ctx.moveTo(-0.12 * length, -half);
-  ctx.lineTo(0.72 * length, -half);
-  ctx.lineTo(1.12 * length, 0);
-  ctx.lineTo(0.72 * length, half);
-  ctx.lineTo(-0.12 * length, half);
-  ctx.closePath();
+  traceGoal(hav, length, half);
   ctx.globalAlpha = reached ? 0.3 : 0.08;
   ctx.fill();
   ctx.globalAlpha = 1;

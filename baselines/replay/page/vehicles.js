@@ -1,7 +1,7 @@
 // ---- drawing HAVs, and what they do -----------------------------------------------------------
 function isVisible(pose) {
   let [left, right, top, bottom] = [Infinity, -Infinity, Infinity, -Infinity];
-  for (const point of pose.points) {
+  for (const point of pose.corners === null ? pose.points : pose.corners.flat()) {
     const [px, py] = onScreen(...point);
     left = Math.min(left, px); right = Math.max(right, px);
     top = Math.min(top, py); bottom = Math.max(bottom, py);
@@ -29,16 +29,22 @@ function drawWheels(along, half, angle) {
 function drawVehicle(hav, pose, steering) {
   const pixel = 1 / view.scale, color = colorOf(hav), units = lengths[hav].length;
   const fine = view.scale > 3.2;  // wheels can be seen
-  const half = Math.max(WIDTH, 4.5 * pixel) / 2;
+  const half = Math.max(widthOf(hav), 4.5 * pixel) / 2;
   if (hav === state.selected) {
     flat();
     ctx.beginPath();
-    for (const point of pose.points) ctx.lineTo(...onScreen(...point));
+    for (const point of lineOf(hav, pose)) ctx.lineTo(...onScreen(...point));
     ctx.strokeStyle = color;
     ctx.globalAlpha = 0.28;
     ctx.lineWidth = 2 * half * view.scale + 14;
     ctx.stroke();
     ctx.globalAlpha = 1;
+  }
+  if (shapes !== null && 2 * half === widthOf(hav)) {  // rectangles are wide enough to be seen
+    drawBodies(hav, pose, steering, fine);
+    drawJoints(hav, pose, fine);
+    flat();
+    return;
   }
   for (let unit = units - 1; unit > 0; unit--) {
     const length = lengths[hav][unit], gap = Math.min(1.1, 0.28 * length);
@@ -48,6 +54,14 @@ function drawVehicle(hav, pose, steering) {
     ctx.beginPath();
     ctx.moveTo(length, 0); ctx.lineTo(length - gap, 0);
     ctx.stroke();
+    if (hitchOffsets[hav][unit - 1] !== 0) {  // from the axle ahead to the hitch
+      flat();
+      ctx.lineWidth = Math.max(0.3 * view.scale, 1);
+      ctx.beginPath();
+      ctx.moveTo(...onScreen(...pose.points[unit])); ctx.lineTo(...onScreen(...pose.fronts[unit]));
+      ctx.stroke();
+      enter(...pose.points[unit + 1], pose.angles[unit]);
+    }
     if (fine) drawWheels(0, half, 0);
     box(-0.45, length - gap, half * 0.9, 0.25);
     ctx.fillStyle = theme.ground;
@@ -92,8 +106,8 @@ function drawVehicle(hav, pose, steering) {
 function drawJoints(hav, pose, fine) {
   for (let unit = 1; unit < lengths[hav].length; unit++) {
     const bend = wrap(pose.angles[unit] - pose.angles[unit - 1]);
-    const near = Math.abs(bend) / articulationMax[hav], color = blend(theme.ramp, near);
-    const [px, py] = onScreen(...pose.points[unit]);
+    const near = Math.abs(bend) / articulationMax[hav][unit], color = blend(theme.ramp, near);
+    const [px, py] = onScreen(...pose.fronts[unit]);
     flat();
     ctx.fillStyle = color;
     if (fine && near > 0.1) {
@@ -170,7 +184,8 @@ function drawEvasion(hav, other, poses) {
 function drawNumber(hav, pose) {
   if (!isVisible(pose)) return;
   const heading = pose.angles[0], [fx, fy] = pose.points[0];
-  const away = 17 + Math.min(1, 0.25 * lengths[hav][0]) * view.scale;
+  const ahead = shapes === null ? Math.min(1, 0.25 * lengths[hav][0]) : shapes[hav][0][1];
+  const away = 17 + ahead * view.scale;
   const [sx, sy] = onScreen(fx, fy);
   const [px, py] = [sx + away * Math.cos(heading), sy - away * Math.sin(heading)];
   flat();

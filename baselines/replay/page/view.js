@@ -73,7 +73,8 @@ const bounds = (() => {
     const truck = lengths[hav][0];
     for (let row = 0; row < numRows; row++) include(xs[row * numHavs + hav], ys[row * numHavs + hav], truck);
     for (const [x, y] of goals[hav]) include(x, y, truck);
-    for (const [x, y] of poseOf(hav, 0, 0).points) include(x, y, 1);
+    const { points, corners } = poseOf(hav, 0, 0);
+    for (const [x, y] of corners === null ? points : corners.flat()) include(x, y, 1);
   }
   return box;
 })();

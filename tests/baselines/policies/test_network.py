@@ -7,7 +7,17 @@ import pytest
 import torch
 
 from baselines.policies.network import pack_layers
-from hav_env import Batch, Limited, Observation, OnAxle, RandomFleet, RandomPoses, Task
+from hav_env import (
+    Batch,
+    Limited,
+    Observation,
+    OffAxle,
+    OnAxle,
+    RandomFleet,
+    RandomPoses,
+    Rectangles,
+    Task,
+)
 from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.evaluation.rollout import rollout
 from hav_env.mdp.advance import to_command
@@ -183,6 +193,35 @@ def test_chains_that_are_not_observed_are_named():
         check_policy(policy, PAIR)
     with pytest.raises(ValueError, match=r"observe 1 neighbors with chains .* offers 0 neighbors"):
         check_policy(policy, SINGLE)
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "asked"),
+    [
+        (OffAxle(), {"hitched"}),
+        (OnAxle(bodies=Rectangles()), {"rectangles"}),
+        (OffAxle(bodies=Rectangles()), {"hitched", "rectangles"}),
+    ],
+)
+def test_a_network_drives_what_it_was_trained_on_and_less(vehicle, asked):
+    for flags in ([], ["hitched"], ["rectangles"], ["hitched", "rectangles"]):
+        policy = random_network()._replace(**dict.fromkeys(flags, True))
+        check_policy(policy, SINGLE, vehicle=OnAxle())
+        if asked <= set(flags):
+            check_policy(policy, SINGLE, vehicle=vehicle)
+        else:
+            with pytest.raises(ValueError, match=r"vehicle is O.*, but the policy was trained for"):
+                check_policy(policy, SINGLE, vehicle=vehicle)
+
+
+@pytest.mark.parametrize("vehicle", [OnAxle(), OffAxle(), OffAxle(bodies=Rectangles())])
+def test_what_is_exported_says_what_it_was_trained_on(vehicle):
+    process = DecisionProcess(scenario=SINGLE, vehicle=vehicle)
+    layer = torch.nn.Linear(len(process.columns), 2)
+    policy = network_of([layer], process)
+    check_policy(policy, SINGLE, vehicle=vehicle)
+    assert policy.hitched == (vehicle != OnAxle())
+    assert policy.rectangles == (vehicle == OffAxle(bodies=Rectangles()))
 
 
 def test_a_network_that_does_not_observe_its_motion_drives_instant_trucks_alone():

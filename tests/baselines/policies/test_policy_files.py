@@ -37,6 +37,7 @@ def path(tmp_path) -> pathlib.Path:
         ({"hidden": (), "limit": 1.7976931348623157e308, "frame_skip": 1}, False),
         ({"hidden": (5, 4, 3), "neighbors": 4, "max_trailers": 3}, False),
         ({"neighbors": 2, "max_trailers": 1}, True),
+        ({"hitched": True, "rectangles": True}, False),
     ],
     ids=str,
 )
@@ -150,6 +151,7 @@ OURS = list(name_columns(Observation(0), 10))
         ({"weights": ["a"]}, "no policy file, or a broken one"),
         ({"layout": "{"}, "no policy file, or a broken one"),
         ({"layout": "[]"}, "no policy file, or a broken one"),
+        ({"hitched": 1}, "hitched is 1, but must be true or false"),
         ({"about": "nothing"}, "no policy file, or a broken one"),
     ],
 )

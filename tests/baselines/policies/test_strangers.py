@@ -87,7 +87,7 @@ def layouts(arrays):
             ):
                 yield layout | {name: value}
         for name in layout["observation"]:
-            if (name, value) != ("chains", True) and (name, value) != ("fronts", True):
+            if name == "neighbors" or value is not True:  # the others are flags
                 yield layout | {"observation": layout["observation"] | {name: value}}
         if value != {}:  # all fields have defaults
             yield layout | {"observation": value}

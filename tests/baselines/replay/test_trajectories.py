@@ -5,9 +5,24 @@ import pytest
 
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.replay import recording
-from baselines.replay.trajectory import chain_points, record_trajectory
-from hav_env import Limited, OnAxle, RandomPoses, Task
+from baselines.replay.interpolation import scene_at
+from baselines.replay.trajectory import (
+    body_corners,
+    chain_points,
+    front_points,
+    record_trajectory,
+)
+from hav_env import (
+    Limited,
+    OffAxle,
+    OnAxle,
+    RandomPoses,
+    Rectangles,
+    Task,
+    catalogue_fleet,
+)
 from hav_env.evaluation.rollout import rollout
+from hav_env.vehicles import catalogue
 from tests.support.budgets import budget
 
 TASK = Task(max_steps=300)
@@ -99,3 +114,36 @@ def test_the_recorded_motion_is_what_was_driven(vehicle):
     assert as_decided == (vehicle == OnAxle())
     rolled = (speed > 0.0) & kept.waiting[:-1]
     assert rolled.any() == (vehicle != OnAxle()) or not kept.waiting[:-1].any()
+
+
+def test_the_papers_hitches_are_on_the_axles_and_its_bodies_lines(trajectory):
+    assert not trajectory.offset.any()
+    assert trajectory.shape is None
+    assert (trajectory.articulation_max == np.pi / 2).all()
+
+
+@pytest.mark.parametrize("name", ["baggage-train", "a-double"])
+def test_hitches_and_bodies_are_recorded_and_move_together(name):
+    vehicle, kind = OffAxle(bodies=Rectangles()), catalogue(name)
+    scenario = RandomPoses(fleet=catalogue_fleet(kind))
+    kept = record_trajectory(AvoidJack(), scenario, 4, 7, Task(max_steps=40), vehicle)
+    units, states = len(kind.units), len(kept.step)
+    np.testing.assert_array_equal(kept.offset[0, : units - 1], kind.offsets[1:])
+    np.testing.assert_array_equal(kept.articulation_max[0, 1:units], kind.limits[1:])
+    np.testing.assert_array_equal(kept.shape[0, :units].T, kind.bodies)
+    axles, fronts = (points(kept, 0, slice(None)) for points in (chain_points, front_points))
+    assert axles.shape == (states, units + 1, 2)
+    directions = np.exp(1j * kept.heading[:, 0, :units])
+    places, ends = axles[..., 0] + 1j * axles[..., 1], fronts[..., 0] + 1j * fronts[..., 1]
+    np.testing.assert_allclose(ends - places[:, 1:], kind.lengths * directions, atol=1e-9)
+    behind = kind.offsets[1:] * directions[:, :-1]
+    np.testing.assert_allclose(places[:, 1:-1] - ends[:, 1:], behind, atol=1e-9)
+    corners = body_corners(kept, 0, slice(None))
+    sides = np.linalg.norm(corners - np.roll(corners, -1, axis=2), axis=-1)
+    half, ahead, rear = np.array(kind.bodies)
+    whole = np.array(kind.lengths) + ahead + rear
+    expected = np.stack([whole, 2.0 * half, whole, 2.0 * half], axis=-1)
+    np.testing.assert_allclose(sides, np.broadcast_to(expected, sides.shape), atol=1e-9)
+    scene = scene_at(kept, 1.3)
+    assert scene.offset is kept.offset
+    assert scene.shape is kept.shape

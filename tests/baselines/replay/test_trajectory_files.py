@@ -11,7 +11,7 @@ from baselines.policies.dubins_pursuit import DubinsPursuit
 from baselines.replay.interpolation import frame_times, scene_at
 from baselines.replay.trajectory import Trajectory, record_trajectory
 from baselines.replay.trajectory_files import load_trajectory, save_trajectory
-from hav_env import RandomPoses, Task
+from hav_env import OffAxle, OnAxle, RandomPoses, Rectangles, Task
 from hav_env.evaluation.rollout import rollout
 from hav_env.world.arrays import ACTUAL, JACKKNIFE, NEVER, POTENTIAL, WHEN, WHERE
 from tests.support.budgets import budget
@@ -59,7 +59,17 @@ def test_a_policy_that_does_not_evade_evades_nobody():
 # files
 
 
-def test_a_file_gives_the_same_episode_again(trajectory, tmp_path):
+def packed(trajectory):
+    """Return the arrays that an archive of an episode holds; lines have no numbers."""
+    lines = np.zeros((*trajectory.length.shape, 0))
+    shape = lines if trajectory.shape is None else trajectory.shape
+    return trajectory._asdict() | {"shape": shape}
+
+
+@pytest.mark.parametrize("vehicle", [OnAxle(), OffAxle(bodies=Rectangles(2.5, 1.0, 0.5))])
+def test_a_file_gives_the_same_episode_again(vehicle, tmp_path):
+    task = Task(max_steps=budget(400, 20))
+    trajectory = record_trajectory(AvoidJack(), RandomPoses(2), 0, 5, task, vehicle)
     save_trajectory(trajectory, tmp_path / "run.npz")
     loaded = load_trajectory(tmp_path / "run.npz")
     for field, value in trajectory._asdict().items():
@@ -107,12 +117,16 @@ def test_every_cut_and_every_flipped_byte_is_noticed(trajectory, tmp_path):
         ({"scenario": "\ud800"}, "cannot be shown"),
         ({"policy": "a" * 201}, "cannot be shown"),
         ({"num_trailers": np.array([0, 3])}, "number of trailers"),
-        ({"articulation_max": np.array([4.0, 1.0])}, "limit"),
+        ({"articulation_max": np.full((2, 11), 4.0)}, "limit"),
+        ({"offset": np.full((2, 11), np.nan)}, "not finite"),
+        ({"shape": np.full((2, 11, 3), -1.0)}, "impossible body"),
+        ({"shape": np.zeros((2, 11, 2))}, "'shape' is float64 of shape"),
+        ({"shape": np.zeros((2, 11))}, "'shape' is float64 of shape"),
     ],
 )
 def test_contents_that_no_episode_has_are_named(changes, message, trajectory, tmp_path):
     path = tmp_path / "odd.npz"
-    fields = {"kind": "hav_env trajectory", "version": 3, **trajectory._asdict(), **changes}
+    fields = {"kind": "hav_env trajectory", "version": 3, **packed(trajectory), **changes}
     np.savez_compressed(path, **fields)
     with pytest.raises(ValueError, match=message):
         load_trajectory(path)
@@ -124,7 +138,7 @@ def test_a_foreign_archive_and_a_missing_field_are_named(trajectory, tmp_path):
         archive.writestr("letter.txt", "hello")
     with pytest.raises(ValueError, match="another kind"):
         load_trajectory(path)
-    fields = {"kind": "hav_env trajectory", "version": 3, **trajectory._asdict()}
+    fields = {"kind": "hav_env trajectory", "version": 3, **packed(trajectory)}
     del fields["evaded"]
     np.savez(path, **fields)
     with pytest.raises(ValueError, match="'evaded' is missing"):

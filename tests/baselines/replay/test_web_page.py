@@ -10,7 +10,8 @@ import pytest
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.replay.trajectory import chain_points, record_trajectory
 from baselines.replay.web_page import template, write_replay
-from hav_env import RandomPoses, Task
+from hav_env import OffAxle, RandomPoses, Rectangles, Task, catalogue_fleet
+from hav_env.vehicles import catalogue
 from hav_env.world.event_table import EVENTS
 
 
@@ -23,6 +24,11 @@ def trajectory():
 def told(trajectory, tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "page.html"
     write_replay(trajectory, path)
+    return told_by(path)
+
+
+def told_by(path) -> dict:
+    """Return what a page was told of its episode."""
     found = re.search(r'id="episode">(.*?)</script>', path.read_text(), re.DOTALL)
     return json.loads(found[1])
 
@@ -42,6 +48,23 @@ def test_the_page_knows_every_axle_to_a_centimetre(trajectory, told):
         places = np.insert(places, 1, 0.0, axis=1)
         places += np.stack([x[:, hav], y[:, hav]], axis=-1)[:, None] + told["origin"]
         np.testing.assert_allclose(places, chain_points(trajectory, hav, slice(None)), atol=0.01)
+
+
+def test_the_page_knows_hitches_limits_and_bodies(told, tmp_path):
+    kind = catalogue("baggage-train")
+    scenario = RandomPoses(2, fleet=catalogue_fleet(kind))
+    vehicle = OffAxle(bodies=Rectangles())
+    kept = record_trajectory(AvoidJack(), scenario, 0, 5, Task(max_steps=2), vehicle)
+    write_replay(kept, tmp_path / "page.html")
+    real = told_by(tmp_path / "page.html")
+    for hav in range(2):
+        assert real["lengths"][hav] == list(kind.lengths)
+        assert real["hitchOffsets"][hav] == [*kind.offsets[1:], 0.0]
+        assert real["articulationMax"][hav][1:] == list(kind.limits[1:])
+        assert real["shapes"][hav] == np.transpose(kind.bodies).tolist()
+    assert told["shapes"] is None
+    assert not any(any(own) for own in told["hitchOffsets"])
+    assert {limit for own in told["articulationMax"] for limit in own[1:]} == {np.pi / 2}
 
 
 def test_states_take_few_bytes(trajectory, told):

@@ -1,13 +1,25 @@
 """Reserve neither jackknifes nor collides: every step is looked at by an audit of its own."""
 
 import math
+from typing import NamedTuple
 
 import gymnasium as gym
 import numpy as np
 import pytest
 
 from baselines.policies.reserve import Reserve
-from hav_env import Batch, Limited, OnAxle, RandomFleet, RandomPoses, Task, explicit
+from baselines.policies.reserve.preconditions import check_predicted
+from hav_env import (
+    Batch,
+    Limited,
+    OffAxle,
+    OnAxle,
+    RandomFleet,
+    RandomPoses,
+    Rectangles,
+    Task,
+    explicit,
+)
 from hav_env.evaluation.rollout import rollout
 from hav_env.policies.driver import PolicyDriver
 from hav_env.policies.interface import check_policy
@@ -37,6 +49,9 @@ def test_a_hav_that_is_alone_arrives_at_both_goals_and_never_jackknifes():
         (Task(heading_tolerance=0.05), OnAxle(), "policy heading_tolerance is 0.1, but must be"),
         (Task(), OnAxle(simultaneous=True), "but Reserve has its proof for OnAxle"),
         (Task(), OnAxle(actuators=Limited()), "but Reserve has its proof for OnAxle"),
+        (Task(), OnAxle(bodies=Rectangles()), "but Reserve has its proof for OnAxle"),
+        (Task(), OffAxle(), r"vehicle is OffAxle\(.*, but Reserve has its proof for OnAxle"),
+        (Task(), OffAxle(integrator="euler"), "but Reserve has its proof for OnAxle"),
         (Task(goal_speed=0.9), OnAxle(), "task goal_speed is 0.9, but must be at least speed_max"),
     ],
 )
@@ -47,6 +62,18 @@ def test_rules_that_it_does_not_know_are_refused(task, vehicle, said):
     with pytest.raises(ValueError, match=said):
         PolicyDriver("reserve", Batch(scenario, 1, task, vehicle))
     check_policy(Reserve(distance_tolerance=1.0), scenario, Task(distance_tolerance=1.0))
+
+
+def test_parts_of_other_classes_are_other_parts():
+    """Tuples without fields are equal, whatever their classes."""
+
+    class Coasting(NamedTuple):
+        """Actuators of somebody else."""
+
+    assert OnAxle(actuators=Coasting()) == OnAxle()
+    check_predicted(OnAxle())
+    with pytest.raises(ValueError, match=r"actuators=Coasting\(\)\), but Reserve has its proof"):
+        check_predicted(OnAxle(actuators=Coasting()))
 
 
 def one_fleet(**limits):
