@@ -43,11 +43,13 @@ def test_policies_are_evaluated_from_python(tmp_path, capsys, monkeypatch):
 def test_the_commands_to_watch_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")  # a window that nobody sees
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
     for command in WATCH:
         recorded = command.startswith("watch pair.npz")
         short = [] if recorded else ["--task.max-steps", str(budget(100, 10))]
         assert main([*command.split(), *short]) == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"pair.npz", "pair.html", "pair.gif"}
+    made = {"pair.npz", "pair.html", "pair.gif", "depot.html"}
+    assert {path.name for path in tmp_path.iterdir()} == made | {"examples"}
 
 
 def test_the_two_commands_of_the_top_are_those_of_ci():
