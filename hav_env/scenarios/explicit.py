@@ -154,8 +154,8 @@ def _read_bends(bends: Sequence[Sequence[float]] | None, trailers: list[int]) ->
 
 @check_relations.register
 def _(scenario: Explicit) -> None:
-    check_shapes(scenario)
     check_vehicles("scenario", scenario, scenario.num_havs)
+    check_shapes(scenario)
     if not (abs(scenario.bend) <= scenario.limit).all():
         agent = int(np.argwhere(abs(scenario.bend) > scenario.limit)[0, 0])
         told = f"bends of HAV {agent} is {show(scenario.bend[agent, 1:].tolist())}"

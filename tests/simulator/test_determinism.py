@@ -152,8 +152,9 @@ from hav_env import (
 fleet = catalogue_fleet(["wb-67d", "baggage-train", "b-double"])
 for vehicle in (OffAxle(bodies=Rectangles(), actuators=Limited()), OffAxle(2, "euler")):
     scenario = RandomPoses(num_havs=3, fleet=fleet)
-    task = Task(max_steps=300)
-    print(repr(rollout(AvoidJack(), scenario, 21, np.arange(2), task, vehicle).to_pydict()))
+    task = Task(max_steps=100)
+    policy = AvoidJack(beta=1.0)
+    print(repr(rollout(policy, scenario, 21, np.arange(2), task, vehicle).to_pydict()))
 for num_havs, episodes, steps in ((1, 2, 400), (2, 1, 100), (5, 1, 20)):
     scenario, task = RandomPoses(num_havs=num_havs, area_factor=2.0), Task(max_steps=steps)
     print(repr(rollout(Reserve(), scenario, 21, np.arange(episodes), task).to_pydict()))

@@ -222,8 +222,8 @@ def test_what_is_kept_needs_a_folder(command, capsys):
     [
         ('{"havs": [', "is not a JSON file"),
         ("[" * 100_000, "is not a JSON file"),
-        ("[]", 'a list "havs"'),
-        ('{"havs": [{"lengths": [4, 8], "start": [0, 0, 0]}]}', '"goals"'),
+        ("[]", "scenario is [], but must be an object"),
+        ('{"havs": [{"lengths": [4, 8], "start": [0, 0, 0]}]}', "no entry 'goals'"),
         ('{"havs": [{"lengths": ["4", 8], "start": [0, 0, 0], "goals": [[9, 0, 0]]}]}', "lengths"),
         ('{"havs": [{"lengths": [4, 8], "start": [0, 0, NaN], "goals": [[9, 0, 0]]}]}', "finite"),
         ('{"havs": [{"lengths": [4, 8], "start": [1e999, 0, 0], "goals": [[9, 0, 0]]}]}', "finite"),
