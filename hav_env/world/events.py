@@ -140,7 +140,7 @@ def _record_candidates(task, world):
     return news
 
 
-@kernel
+@rare_kernel
 def _record_pair(task, world, agent, other, lane):
     """Record the potential and the actual collision of two HAVs that are new; count them."""
     first, news = world.record.first, 0
