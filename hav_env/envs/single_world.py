@@ -12,13 +12,13 @@ from hav_env.envs.screen import Screen
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.scenarios import Explicit, explicit
-from hav_env.scenarios.given_vehicles import vehicle_in
-from hav_env.simulator.batch import begin_worlds, check_placed, check_seed
+from hav_env.scenarios.given_vehicles import bends_in, vehicle_in
+from hav_env.simulator.batch import begin_worlds, check_parts, check_placed, check_seed
 from hav_env.simulator.beginning import begin
 from hav_env.world.arrays import ARTICULATION, SEED, SPEED, STEERING
 
 _HERE = np.ones(1, np.bool_)
-_WRITABLE = ("lengths", "start", "goals")  # options that are written into a world
+_WRITABLE = ("lengths", "start", "goals", "bends")  # options that are written into a world
 
 
 class Plan(NamedTuple):
@@ -175,6 +175,7 @@ class SingleWorld:
             "lengths": [vehicle_in(fleet, agent, 0) for agent in range(scenario.num_havs)],
             "start": np.stack([state.x[:, 0], state.y[:, 0], state.heading[:, 0, 0]], axis=-1),
             "goals": goals[..., 0],
+            "bends": None if "lengths" in written else bends_in(worlds, 0),
         }
         limit = fleet.limit[0, :, 0]
         found = explicit(
@@ -193,6 +194,7 @@ class SingleWorld:
                 f"reset got a HAV with {found.max_trailers} trailers, but this environment has"
                 f" room for {scenario.max_trailers}"
             )
+        check_parts(found, batch.task, batch.vehicle)
         return found
 
 

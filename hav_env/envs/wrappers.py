@@ -10,16 +10,24 @@ from pettingzoo.utils.wrappers import BaseParallelWrapper
 from hav_env.envs.gymnasium_single import HAVSingleEnv, HAVSwarmEnv
 from hav_env.envs.hav_swarm_v0 import HAVSwarmParallelEnv
 from hav_env.mdp.actions import check_mapping, read_action
+from hav_env.world.arrays import SPEED, STEERING
 from hav_env.world.sensing import own_speed, own_steering
 
 
 class _Units:
-    """Turns m/s and rad into -1 to 1; all HAVs of a scenario have the same limits."""
+    """Turns m/s and rad into -1 to 1, by the limits of each HAV.
+
+    The space holds what the HAV with the largest limits may do; others cut it to theirs.
+    """
 
     def __init__(self, env: HAVSwarmEnv | HAVSingleEnv | HAVSwarmParallelEnv) -> None:
         limits = env.scenario.fleet
         self.most = np.array([limits.speed_max, limits.steering_max])
         self._process = env._world.process
+
+    def _limits(self) -> np.ndarray:
+        """Return the largest speed [m/s] and steering [rad] of every HAV, (N, 2)."""
+        return self._process.batch.worlds.fleet.limit[:, [SPEED, STEERING], 0]
 
     def actual(self) -> np.ndarray:
         """Return speed [m/s] and steering [rad] of every HAV in the last step, (N, 2)."""
@@ -33,14 +41,15 @@ class _Units:
         low, high = np.tile(self.most * [0.0, -1.0], pairs), np.tile(self.most, pairs)
         return spaces.Box(low.reshape(shape), high.reshape(shape), dtype=np.float64)
 
-    def normalize(self, name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
-        """Return an action (..., 2) or (2 N,) from -1 to 1.
+    def normalize(self, name: str, action: Any, shape: tuple[int, ...], hav: int = 0) -> np.ndarray:
+        """Return an action (..., 2) or (2 N,) from -1 to 1, of one HAV and those behind it.
 
         Raises:
-            TypeError, ValueError: as of ``read_action``, whose arguments these are.
+            TypeError, ValueError: as of ``read_action``, whose arguments the first three are.
         """
         action = read_action(name, action, shape)
-        shares = action.reshape(-1, 2) / self.most
+        pairs = action.reshape(-1, 2)
+        shares = pairs / self._limits()[hav : hav + len(pairs)]
         return (shares * [2.0, 1.0] - [1.0, 0.0]).reshape(action.shape)
 
 
@@ -73,6 +82,7 @@ class PhysicalParallelActions(BaseParallelWrapper):
         super().__init__(env)
         self._units = _Units(env)
         self._spaces = {agent: self._units.box((2,)) for agent in env.possible_agents}
+        self._havs = {agent: hav for hav, agent in enumerate(env.possible_agents)}
 
     @property
     def actual(self) -> np.ndarray:
@@ -87,7 +97,9 @@ class PhysicalParallelActions(BaseParallelWrapper):
         """Take one action of every agent."""
         check_mapping(actions)
         normal = {
-            agent: self._units.normalize(f"the action of {agent}", action, (2,))
+            agent: self._units.normalize(
+                f"the action of {agent}", action, (2,), self._havs.get(agent, 0)
+            )
             for agent, action in actions.items()
         }
         return super().step(normal)

@@ -120,3 +120,8 @@ def draw_catalogue_fleet(catalogue_fleet, fleet, lane, key, draw):
 @check_relations.register
 def _(fleet: CatalogueFleet) -> None:
     check_vehicles("fleet", fleet, fleet.share.size)
+    share = fleet.share
+    ascending = (np.diff(share, prepend=0.0) >= 0.0).all() and abs(share[-1] - 1.0) <= 1e-9
+    if not ascending:
+        told = f"fleet share is {show(share.tolist())}"
+        raise ValueError(f"{told}, but must ascend from at least 0 to 1")

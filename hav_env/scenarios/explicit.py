@@ -156,8 +156,9 @@ def _read_bends(bends: Sequence[Sequence[float]] | None, trailers: list[int]) ->
 def _(scenario: Explicit) -> None:
     check_vehicles("scenario", scenario, scenario.num_havs)
     check_shapes(scenario)
-    if not (abs(scenario.bend) <= scenario.limit).all():
-        agent = int(np.argwhere(abs(scenario.bend) > scenario.limit)[0, 0])
+    beyond = ~(abs(scenario.bend) <= scenario.limit)
+    if beyond.any():
+        agent = int(np.argwhere(beyond)[0, 0])
         told = f"bends of HAV {agent} is {show(scenario.bend[agent, 1:].tolist())}"
         raise ValueError(f"{told}, but must be within the limits of its joints")
     places = np.concatenate([scenario.start[:, None], scenario.goals], axis=1)  # (N, 1 + G, 3)

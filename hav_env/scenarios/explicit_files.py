@@ -9,7 +9,7 @@ from typing import Any
 from hav_env.models.annotations import show
 from hav_env.models.json_schema import check_document
 from hav_env.scenarios.explicit import Explicit, explicit
-from hav_env.vehicles.combinations import read_combination
+from hav_env.vehicles.combinations import COMBINATIONS, catalogue, read_combination
 
 _MOST_BYTES = 2**26  # a swarm of 10,000 HAVs with 100 goals each
 _LIMIT_NAMES = ("speed_max", "steering_max", "articulation_max", "footprint_truck_share")
@@ -65,12 +65,20 @@ def _from_json(data: Any) -> Explicit:
     vehicles = {
         name: read_combination(name, told) for name, told in data.get("vehicles", {}).items()
     }
+    for agent, hav in enumerate(data["havs"]):
+        name = hav.get("vehicle")
+        if name in vehicles or name is None:
+            continue
+        # not module:NAME, nor another file: opening a file runs nothing that it names
+        if name not in COMBINATIONS.names():
+            known = ", ".join([*vehicles, *COMBINATIONS.names()])
+            raise ValueError(f"HAV {agent} has the unknown vehicle {show(name)}; known: {known}")
+        vehicles[name] = catalogue(name)
     columns: dict[str, Any] = {"lengths": [], "start": [], "goals": [], "bends": []}
     for agent, hav in enumerate(data["havs"]):
         if ("lengths" in hav) == ("vehicle" in hav):
             raise ValueError(f'HAV {agent} must have either "lengths" or "vehicle"')
-        name = hav.get("vehicle")
-        columns["lengths"].append(hav["lengths"] if name is None else vehicles.get(name, name))
+        columns["lengths"].append(hav["lengths"] if "lengths" in hav else vehicles[hav["vehicle"]])
         columns["start"].append(hav["start"])
         columns["goals"].append(hav["goals"])
         columns["bends"].append(hav.get("bends", []))

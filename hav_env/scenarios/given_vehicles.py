@@ -8,14 +8,25 @@ import numpy as np
 
 from hav_env.compiled import kernel
 from hav_env.models.annotations import show
-from hav_env.models.checks import check_value
-from hav_env.models.quantities import Articulation, Speed, Steering
+from hav_env.models.checks import check_fields, check_value
+from hav_env.models.quantities import Articulation, BodyWidth, Overhang, Speed, Steering
 from hav_env.scenarios.written import check_lengths, read_numbers
 from hav_env.vehicles import Combination, catalogue
-from hav_env.world.arrays import ARTICULATION, SPEED, STEERING, Fleet, derive_radii, set_limits
+from hav_env.world.arrays import (
+    ARTICULATION,
+    SPEED,
+    STEERING,
+    Fleet,
+    World,
+    derive_radii,
+    set_limits,
+)
 from hav_env.world.units.joints import hitch_trailer
 from hav_env.world.units.outlines import shape_unit
 from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Hitches, Outlines
+
+_PARTS, _SIZES = ("half width", "front", "rear"), (BodyWidth, Overhang, Overhang)
+_USUAL = [-1.0, -1.0, -1.0]  # stands for a body that the fleet does not state
 
 
 class GivenVehicle(NamedTuple):
@@ -57,7 +68,15 @@ def plain_vehicle(lengths: Sequence[float], limits: HavLimits) -> GivenVehicle:
 
 
 def real_vehicle(vehicle: Combination) -> GivenVehicle:
-    """Return a vehicle of the catalogue."""
+    """Return a vehicle of the catalogue, or one that was made like it.
+
+    Raises:
+        ValueError, TypeError: naming the number that is wrong.
+    """
+    if len(vehicle.units) < 2:
+        raise ValueError(f"vehicle {vehicle.name} has no trailer, but must have at least one")
+    for number, unit in enumerate(vehicle.units):
+        check_fields(f"vehicle {vehicle.name} unit {number}", unit)
     return GivenVehicle(
         np.array(vehicle.lengths, float),
         np.array([*vehicle.offsets[1:], 0.0]),
@@ -99,6 +118,15 @@ def vehicle_in(fleet: Fleet, agent: int, lane: int) -> GivenVehicle:
     if isinstance(fleet.bodies, Outlines):
         vehicle = vehicle._replace(shape=fleet.bodies.shape[agent, units, :, lane].copy())
     return vehicle
+
+
+def bends_in(worlds: World, lane: int) -> list[list[float]]:
+    """Return the articulations of all trailers of every HAV in one lane [rad]."""
+    heading, last = worlds.state.heading[..., lane], worlds.fleet.num_trailers[:, lane]
+    bends = np.remainder(np.diff(heading) + math.pi, 2.0 * math.pi) - math.pi
+    # a HAV that was put straight is straight, whatever rounding makes of that
+    bends[np.diff(heading) == 0.0] = 0.0
+    return [own[:count].tolist() for own, count in zip(bends, last, strict=True)]
 
 
 def tabulate_vehicles(vehicles: Sequence[GivenVehicle]) -> dict[str, Any]:
@@ -154,11 +182,17 @@ def check_vehicles(kind: str, tables: Any, count: int) -> None:
         for limit in tables.limit[k, 1 : last + 1].tolist():
             check_value(f"{kind} limit of vehicle {k}", Articulation, limit)
         offset, length = tables.offset[k], tables.length[k]
-        if not (abs(offset[:last]) <= length[1 : last + 1]).all() or offset[last:].any():
+        behind = (abs(offset[:last]) <= length[1 : last + 1]).all() and not offset[last:].any()
+        if not (behind and (offset[:last] >= -length[:last]).all()):
             raise ValueError(
                 f"{kind} offset of vehicle {k} is {show(offset.tolist())}, but must be at most the"
-                " length of the trailer behind it, and 0 for the last unit"
+                " length of the trailer behind it, not ahead of the unit's own front end, and 0"
+                " for the last unit"
             )
+        for bodies in tables.shape[k, : last + 1].tolist():
+            for part, quantity, value in zip(_PARTS, _SIZES, bodies, strict=True):
+                if bodies != _USUAL:
+                    check_value(f"{kind} {part} of vehicle {k}", quantity, value)
 
 
 @kernel

@@ -14,7 +14,7 @@ import numpy as np
 from hav_env.scenarios import RandomFleet, RandomPoses, populate
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.names_used import undefined_name
-from hav_env.vehicles import move
+from hav_env.vehicles import OnAxle, bodies_of, move, needs_hitches
 from hav_env.world.arrays import EPISODE, World, allocate_worlds
 from hav_env.world.task import Task
 
@@ -81,7 +81,7 @@ def try_vehicle(vehicle: Any) -> None:
     """Try the vehicle's code in one step; see ``attempt``."""
 
     def call() -> str:
-        worlds = sample_worlds()
+        worlds = sample_worlds(vehicle=vehicle)
         move(vehicle, 0.2, worlds, 0)
         state = worlds.state
         poses = state.x[0], state.y[0], *state.heading[0], *state.cosine[0], *state.sine[0]
@@ -90,11 +90,14 @@ def try_vehicle(vehicle: Any) -> None:
     attempt("vehicle", vehicle, move.table[type(vehicle)], call)
 
 
-def sample_worlds(num_havs: int = HAVS_TRIED, num_goals: int = 2, max_trailers: int = 3) -> World:
+def sample_worlds(
+    num_havs: int = HAVS_TRIED, num_goals: int = 2, max_trailers: int = 3, vehicle: Any = OnAxle()
+) -> World:
     """Return ``LANES_TRIED`` worlds of random HAVs that drive straight on, at their beginning."""
     fleet = RandomFleet(max_trailers=max_trailers)
     scenario = RandomPoses(num_havs=num_havs, num_goals=num_goals, fleet=fleet)
-    worlds = allocate_worlds(LANES_TRIED, num_havs, max_trailers + 1, num_goals)
+    parts = {"hitched": needs_hitches(vehicle), "bodies": bodies_of(vehicle)}
+    worlds = allocate_worlds(LANES_TRIED, num_havs, max_trailers + 1, num_goals, **parts)
     worlds.state.clock[EPISODE] = np.arange(LANES_TRIED)
     begin(scenario, Task(sensing_range=_EVERYBODY), worlds, np.zeros(LANES_TRIED, np.bool_))
     worlds.state.speed[:] = 1.0

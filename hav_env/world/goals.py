@@ -90,7 +90,9 @@ def record_approach(task, world, agent):
         closest = world.record.goal[agent, fixed(phase), CLOSEST]
         for lane in range(world.lanes):
             least = min(closest[lane], state.goal[agent, DISTANCE, lane])
-            closest[lane] = least if state.goal[agent, PHASE, lane] == phase else closest[lane]
+            # who waits may roll on
+            counts = (state.goal[agent, PHASE, lane] == phase) & (not state.waiting[agent, lane])
+            closest[lane] = least if counts else closest[lane]
     return _look_closely(task, world, agent) if looks > 0 else 0
 
 

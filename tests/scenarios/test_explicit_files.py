@@ -76,7 +76,13 @@ def test_vehicles_of_the_file_and_of_the_catalogue_start_bent(tmp_path):
         (json.dumps({"havs": [HAV | {"start": ["a", 0, 0]}]}), r"start\[0\] is 'a'"),
         (json.dumps({"havs": [HAV | {"start": [math.nan, 0, 0]}]}), "a pose that is not finite"),
         (json.dumps({"havs": [HAV | {"vehicle": "wb-67"}]}), 'either "lengths" or "vehicle"'),
-        (json.dumps({"havs": [REAL | {"vehicle": "wb-68"}]}), "unknown combination 'wb-68'"),
+        (
+            json.dumps({"havs": [REAL | {"vehicle": "wb-68"}]}),
+            "unknown vehicle 'wb-68'; known: ",
+        ),
+        (json.dumps({"havs": [REAL | {"vehicle": "antigravity:x"}]}), "unknown vehicle 'antigr"),
+        (json.dumps({"havs": [REAL | {"vehicle": "mine.json"}]}), "unknown vehicle 'mine.json'"),
+        (json.dumps({"havs": [REAL | {"bends": [math.nan]}]}), "within the limits of its joints"),
         (json.dumps({"havs": [REAL | {"bends": [0.1, 0.2]}]}), "bends of HAV 0 has 2 numbers"),
         (
             json.dumps({"havs": [REAL | {"bends": [2.0]}]}),

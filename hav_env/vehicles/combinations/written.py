@@ -1,7 +1,8 @@
 """This module reads vehicles that are written down in JSON (``vehicle.schema.json`` has the form).
 
 A unit's ``hitch`` there is where the next unit is hitched behind it, as one measures a vehicle.
-What a file leaves out is assumed: bodies of no width, and the limits of a loaded truck.
+Numbers that a file leaves out are assumed: bodies of no width that end at the axle, or at the hitch
+behind it, and the limits of a loaded truck.
 """
 
 import functools
@@ -56,7 +57,7 @@ def read_combination(name: str, written: Any, source: str = "a JSON file") -> Co
             hitch=take(ahead, "hitch"),
             half_width=half_width(unit),
             front=take(unit, "front"),
-            rear=take(unit, "rear"),
+            rear=take(unit, "rear", _to_hitch(unit)),
             articulation_max=take(unit, "bend_max", RIGHT_ANGLE),
         )
         for ahead, unit in zip([truck, *units], units, strict=False)
@@ -69,11 +70,16 @@ def read_combination(name: str, written: Any, source: str = "a JSON file") -> Co
             length=cite(float(truck["wheelbase"])),
             half_width=half_width(truck),
             front=take(truck, "front"),
-            rear=take(truck, "rear"),
+            rear=take(truck, "rear", _to_hitch(truck)),
         ),
         trailers,
         **loaded_truck(**known),
     )
+
+
+def _to_hitch(unit: dict[str, Any]) -> Quantity:
+    """Return how far a body reaches behind its axle that a file does not state: to its hitch."""
+    return assumed(max(0.0, float(unit.get("hitch", 0.0))), "left out in the file: to the hitch")
 
 
 def load_combination(path: str | os.PathLike[str]) -> Combination:
