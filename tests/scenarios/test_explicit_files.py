@@ -43,7 +43,7 @@ def test_vehicles_of_the_file_and_of_the_catalogue_start_bent(tmp_path):
     assert fleet.joints.offset[1, :, 0].tolist() == [1.1, 0.0, 0.0]
     assert fleet.joints.limit[1, 2, 0] == 1.2
     assert fleet.limit[1, :3, 0].tolist() == [3.0, scenario.steering[1], 1.2]
-    assert fleet.bodies.shape[1, ..., 0].tolist() == [[1.25, 1.4, 0], [0, 0, 0], [1.2, 0, 1.0]]
+    assert fleet.bodies.shape[1, ..., 0].tolist() == [[1.25, 1.4, 1.1], [0, 0, 0], [1.2, 0, 1.0]]
     assert (fleet.bodies.shape[2, :2, 0, 0] == 1.0).all()
     assert heading[0, 1] == -0.3
     np.testing.assert_allclose(np.diff(heading[1]), [0.2, 0.1])
