@@ -50,7 +50,7 @@ def first_jackknifes(trajectory, every=1) -> list[tuple[int, int]]:
     found = []
     for hav, trailers in enumerate(trajectory.num_trailers):
         bends = np.diff(trajectory.heading[:, hav, : trailers + 1], axis=1)
-        bent = np.cos(bends) < np.cos(trajectory.articulation_max[hav])
+        bent = np.cos(bends) < np.cos(trajectory.articulation_max[hav, 1 : trailers + 1])
         steps = [t for t in range(every, len(bent), every) if bent[t].any()]
         found.append((steps[0], 1 + int(bent[steps[0]].argmax())) if steps else (NEVER, NEVER))
     return found
