@@ -37,15 +37,19 @@ class Drive(NamedTuple):
     """Changes the fleet."""
 
 
-# the paper's beta is 5/6 of its limit of 90 degrees
+def _avoid_jack(limit: float) -> Policy:
+    """Return AVOID-JACK with beta at 5/6 of a limit [rad], as the paper's is of 90 degrees."""
+    return AvoidJack(beta=limit * 5 / 6)
+
+
 _DRIVES = {
-    "AVOID-JACK": Drive(lambda limit: AvoidJack(beta=limit * 5 / 6), lambda fleet: fleet),
+    "AVOID-JACK": Drive(_avoid_jack, lambda fleet: fleet),
     "hitches on axles": Drive(
-        lambda limit: AvoidJack(beta=limit * 5 / 6),
+        _avoid_jack,
         lambda fleet: fleet._replace(offset=np.zeros_like(fleet.offset)),
     ),
     "wheels up to 40 degrees": Drive(
-        lambda limit: AvoidJack(beta=limit * 5 / 6),
+        _avoid_jack,
         lambda fleet: fleet._replace(
             steering=np.full_like(fleet.steering, _WHEELS), steering_max=_WHEELS
         ),

@@ -7,6 +7,7 @@ import os
 from typing import Any
 
 from hav_env.models.annotations import show
+from hav_env.models.json_files import read_json
 from hav_env.models.json_schema import check_document
 from hav_env.scenarios.explicit import Explicit, explicit
 from hav_env.vehicles.combinations import COMBINATIONS, catalogue, read_combination
@@ -24,33 +25,7 @@ def load_explicit(path: str | os.PathLike[str]) -> Explicit:
         ValueError: when the file is no such scenario, naming file and entry; OSError: when it
             cannot be read.
     """
-    with open(path, "rb") as file:
-        content = file.read(_MOST_BYTES + 1)
-    if len(content) > _MOST_BYTES:
-        raise ValueError(f"{path} has more than {_MOST_BYTES} bytes, the most of a scenario file")
-    try:
-        data = json.loads(content, object_pairs_hook=_collect)
-    except _TwiceError as error:
-        raise ValueError(f"{path}: {error}") from None
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"{path} is not a JSON file: {error}") from None
-    try:
-        return _from_json(data)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{path}: {error}") from None
-
-
-class _TwiceError(Exception):
-    """An object has an entry twice."""
-
-
-def _collect(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for name, value in pairs:
-        if name in found:
-            raise _TwiceError(f"the entry {show(name)} stands twice in an object")
-        found[name] = value
-    return found
+    return read_json(path, "scenario", _MOST_BYTES, _from_json)
 
 
 @functools.cache

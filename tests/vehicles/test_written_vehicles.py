@@ -105,7 +105,14 @@ def test_every_mistake_is_named(place, value, message):
         read_combination("train", changed(place, value))
 
 
-@pytest.mark.parametrize(("content", "message"), [("{", "is not a JSON file"), ("3", "is 3, but")])
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("{", "is not a JSON file"),
+        ("3", "is 3, but"),
+        ('{"repeat": 1, "repeat": 2}', "the entry 'repeat' stands twice"),
+    ],
+)
 def test_a_file_without_a_vehicle_is_named(content, message, tmp_path):
     path = tmp_path / "mine.json"
     path.write_text(content)

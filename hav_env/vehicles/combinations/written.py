@@ -12,6 +12,7 @@ import os
 import pathlib
 from typing import Any
 
+from hav_env.models.json_files import read_json
 from hav_env.models.json_schema import check_document
 from hav_env.vehicles.combinations.combination import Combination
 from hav_env.vehicles.combinations.limits import RIGHT_ANGLE, loaded_truck
@@ -89,16 +90,7 @@ def load_combination(path: str | os.PathLike[str]) -> Combination:
         ValueError: when the file has no such vehicle, naming file and entry.
         OSError: when it cannot be read.
     """
-    with open(path, "rb") as file:
-        content = file.read(_MOST_BYTES + 1)
-    if len(content) > _MOST_BYTES:
-        raise ValueError(f"{path} has more than {_MOST_BYTES} bytes, the most of a vehicle file")
-    try:
-        written = json.loads(content)
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"{path} is not a JSON file: {error}") from None
-    file_name = pathlib.PurePath(path)
-    try:
-        return read_combination(file_name.stem, written, file_name.name)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{path}: {error}") from None
+    file = pathlib.PurePath(path)
+    return read_json(
+        path, "vehicle", _MOST_BYTES, lambda data: read_combination(file.stem, data, file.name)
+    )
