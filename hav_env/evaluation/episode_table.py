@@ -1,10 +1,10 @@
 """This module makes the episode table of an evaluation: one row for each HAV and episode.
 
 A new column is one entry of ``COLUMNS``, ``GOAL_COLUMNS`` or ``MISS_COLUMNS``; docs/metrics.md
-tells what they mean.
+tells what they mean. Tables of worlds with obstacles also have ``OBSTACLE_COLUMNS``.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,6 +78,10 @@ def _of_event(event: Event) -> tuple[Column, ...]:
     )
 
 
+def _of_events(events: Iterable[Event]) -> tuple[Column, ...]:
+    return tuple(column for event in events for column in _of_event(event))
+
+
 _JACKKNIFE_EVENT = EVENTS[JACKKNIFE]
 
 
@@ -128,13 +132,15 @@ COLUMNS = (
         "1",
         lambda records: records.length_differences.sum(axis=1) / records.vehicle_length,
     ),
-    *(column for event in EVENTS if event is not _JACKKNIFE_EVENT for column in _of_event(event)),
+    *_of_events(event for event in EVENTS if not (event is _JACKKNIFE_EVENT or event.obstacles)),
     Column("steps", "steps", lambda records: records.clock[STEP]),
     Column("moving_steps", "steps", lambda records: records.total[:, MOVED].astype(np.int64)),
     Column("path_length", "m", lambda records: records.total[:, PATH]),
     Column("largest_articulation", "rad", lambda records: records.total[:, LARGEST]),
     Column("folded_through", "bool", lambda records: records.total[:, LARGEST] > np.pi),
 )
+# of worlds that have obstacles
+OBSTACLE_COLUMNS = _of_events(event for event in EVENTS if event.obstacles)
 
 GOAL_COLUMNS = (
     *_poses("goal_{goal}", lambda records, g: records.goals[:, g]),
@@ -222,7 +228,8 @@ def tabulate(worlds: World, start: np.ndarray, policy, task: Task = Task()) -> p
             values = pa.array(values, mask=~column.known(records, *at))
         columns[column.name.format(**words)] = values
 
-    for column in COLUMNS:
+    obstacles = OBSTACLE_COLUMNS if records.obstacles else ()
+    for column in (*COLUMNS, *obstacles):
         add(column)
     for g in range(records.num_goals):
         for column in GOAL_COLUMNS:

@@ -26,11 +26,13 @@ class Figure(NamedTuple):
     more_is_better: bool
     company: bool = False
     """It is shown where there is more than one HAV in a world."""
+    obstacles: bool = False
+    """It is shown where there are obstacles."""
 
 
 def figure_of_event(event: Event) -> Figure:
     """Return the figure of an event: the share of HAVs to which it has happened."""
-    return Figure(event.label, event.name, True, False, event.company)
+    return Figure(event.label, event.name, True, False, event.company, event.obstacles)
 
 
 GOAL_HIT = Figure("goal {goal} hit", "goal_{goal}_hit", True, True)
@@ -87,7 +89,7 @@ def _all_figures(columns: Sequence[str]) -> Iterator[Figure]:
     for figure in FIGURES:
         if "{goal}" in figure.column:
             yield from (figure_of_goal(figure, goal) for goal in goals_of(columns))
-        else:
+        elif figure.column in columns or not figure.obstacles:
             yield figure
 
 

@@ -15,7 +15,7 @@ from hav_env.world.arrays import (
     WHERE,
     World,
 )
-from hav_env.world.event_table import Event, happened
+from hav_env.world.event_table import EVENTS, Event, events_in, happened
 from hav_env.world.task import Task
 from hav_env.world.units.reading import offsets_in
 
@@ -87,6 +87,11 @@ class HavRecords:
     def hitch_places(self) -> np.ndarray:
         """(R, U) how far behind a straight HAV's front axle the hitch of each unit is [m]."""
         return np.cumsum(self.length, axis=1) + np.cumsum(self.offset, axis=1)
+
+    @property
+    def obstacles(self) -> bool:
+        """There are obstacles to collide with."""
+        return len(events_in(self.first)) == len(EVENTS)
 
     def happened(self, event: Event) -> np.ndarray:
         """(R,) bool: the event has happened to the HAV."""

@@ -7,7 +7,7 @@ import numpy as np
 from hav_env.compiled import VECTOR, arguments_of, entry, kernel, loop_kernel
 from hav_env.maths.geometry import clip
 from hav_env.mdp.buffers import buffers_from, outcome_from
-from hav_env.mdp.info import REPORT, write_report
+from hav_env.mdp.info import REPORT, write_obstacle_report, write_report
 from hav_env.mdp.reward import WAITED, note_before, reward_terms
 from hav_env.observation import observe, plan_route, write_rows
 from hav_env.simulator.transition import late, remove_arrived, step, terminated
@@ -221,6 +221,7 @@ def _report(world, agent, block, outcome):
     """Write the report on a HAV, and what each term of its reward has come to."""
     returns, told = block.returns, outcome.info[len(REPORT) :]
     write_report(world, agent, block.remaining, outcome.info)
+    write_obstacle_report(world.place, world, agent, told[returns.shape[0] :])
     for t in range(returns.shape[0]):
         for lane in range(world.lanes):
             told[t, agent, lane] = returns[t, agent, lane]

@@ -12,7 +12,7 @@ from hav_env.mdp.advance import Actions, advance_worlds, divide_action, observe_
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.beginning import allocate_stage, begin_episodes
 from hav_env.mdp.buffers import SCRATCH, Outcome, allocate_buffers, outcome_layout, outcome_size
-from hav_env.mdp.info import REPORT
+from hav_env.mdp.info import OBSTACLE_REPORT, REPORT
 from hav_env.mdp.reward import REWARDS, Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward
 from hav_env.models.checks import check_value
@@ -20,6 +20,7 @@ from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped
 from hav_env.observation import Observation, check_observation, name_columns, settle
 from hav_env.policies.driver import PolicyDriver
+from hav_env.scenarios import segments_of
 from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.batch import Batch, check_placed
 from hav_env.vehicles import VEHICLES, OnAxle
@@ -112,7 +113,8 @@ class DecisionProcess:
         self.frame_skip = int(frame_skip)
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
-        self.info = (*REPORT, *(f"return_{term}" for term in reward._fields))
+        obstacles = OBSTACLE_REPORT if segments_of(scenario) > 0 else ()
+        self.info = (*REPORT, *(f"return_{term}" for term in reward._fields), *obstacles)
         size = outcome_size(c, len(self.columns), len(self.info))
         check_memory("num_worlds", w, (self.batch.bytes_per_world + size) * w)
         driver = None if others is None else PolicyDriver(others, self.batch, c)

@@ -1,6 +1,6 @@
 """This module reports on each HAV (``info``): running totals of an episode, by name."""
 
-from hav_env.compiled import kernel
+from hav_env.compiled import generic, kernel
 from hav_env.world.arrays import (
     ACTUAL,
     DISTANCE,
@@ -15,8 +15,9 @@ from hav_env.world.arrays import (
     WHERE,
     goal_under_way,
 )
-from hav_env.world.event_table import EVENTS, unharmed
+from hav_env.world.event_table import EVENTS, obstacle_hit_at, unharmed
 from hav_env.world.goals import goals_hit
+from hav_env.world.place.segments import Obstacles, Plane
 
 REPORT = (
     "is_success",
@@ -24,7 +25,7 @@ REPORT = (
     "waits",
     "distance_to_goal",
     "dubins_to_goal",
-    *(event.name for event in EVENTS),
+    *(event.name for event in EVENTS if not event.obstacles),
     "collision_partner",
     "largest_articulation",
     "path_length",
@@ -32,7 +33,8 @@ REPORT = (
     "seed",
     "episode_number",  # "episode" is what RecordEpisodeStatistics writes
 )
-_NUM_EVENTS = len(EVENTS)
+OBSTACLE_REPORT = tuple(event.name for event in EVENTS if event.obstacles)
+_NUM_EVENTS = len(EVENTS) - len(OBSTACLE_REPORT)
 _TOLD_SUCCESS = REPORT.index("is_success")
 _TOLD_HITS = REPORT.index("goals_hit")
 _TOLD_WAITS = REPORT.index("waits")
@@ -83,3 +85,26 @@ def write_report(world, agent, remaining, report):
         report[_TOLD_STEPS, agent, lane] = clock[STEP, lane]
         report[_TOLD_SEED, agent, lane] = clock[SEED, lane]
         report[_TOLD_EPISODE, agent, lane] = clock[EPISODE, lane]
+
+
+@generic
+def write_obstacle_report(place, world, agent, report):
+    """Write in every lane whether a HAV has collided with an obstacle, where there are any.
+
+    Args:
+        place: of the block.
+        world: the block.
+        agent: the HAV.
+        report: (len(OBSTACLE_REPORT), N, W) to be written.
+    """
+
+
+@write_obstacle_report.register(Plane)
+def _write_nothing(place, world, agent, report):
+    pass
+
+
+@write_obstacle_report.register(Obstacles)
+def _write_hits(place, world, agent, report):
+    for lane in range(world.lanes):
+        report[0, agent, lane] = obstacle_hit_at(place, world, agent, lane) != NEVER

@@ -43,6 +43,7 @@ Havs = Annotated[int, Range(1, 10_000)]  # of a world
 Neighbors = Annotated[int, Range(0, 10_000)]  # who is observed, at most
 Goals = Annotated[int, Range(1, 1_000)]  # of a HAV
 Trailers = Annotated[int, Range(1, 100)]
+Segments = Annotated[int, Range(0, 100_000)]  # of a world's obstacles
 Steps = Annotated[int, Range(1, 10**8)]
 Skipped = Annotated[int, Range(1, 10_000)]  # steps for which an action is held
 Substeps = Annotated[int, Range(1, 1_000)]  # of a step

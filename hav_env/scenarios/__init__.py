@@ -1,7 +1,7 @@
 """This package has the scenarios, which place HAVs and goals: one file for each kind.
 
 A scenario is a NamedTuple whose type selects its kernel. The arrays get their shapes from its
-fields ``num_havs``, ``num_goals`` and ``max_trailers``. Beyond ``articulation_max`` [rad] its HAVs
+fields ``num_havs``, ``num_goals`` and ``max_trailers``, and ``num_segments`` where it has obstacles. Beyond ``articulation_max`` [rad] its HAVs
 are jackknifed. Its ``fleet`` draws the HAVs and states the limits of all. ``Explicit`` writes down
 each HAV's lengths and limits, and is its own fleet.
 """
@@ -16,6 +16,7 @@ from hav_env.models.quantities import (
     Goals,
     Havs,
     Length,
+    Segments,
     Share,
     Speed,
     Steering,
@@ -68,8 +69,14 @@ def check_scenario(scenario: Any) -> None:
         check_value(f"scenario {name}", kind, getattr(scenario, name, None))
     if not hasattr(scenario, "fleet"):
         raise TypeError(f"scenario is {show(scenario)}, but must have a fleet: its HAVs' limits")
+    check_value("scenario num_segments", Segments, segments_of(scenario))
     for name, kind in _OF_FLEET.items():
         check_value(f"fleet {name}", kind, getattr(scenario.fleet, name, None))
+
+
+def segments_of(scenario: Any) -> int:
+    """Return for how many segments of obstacles a world of a scenario needs room."""
+    return getattr(scenario, "num_segments", 0)
 
 
 class PlacementError(ValueError):
@@ -96,4 +103,5 @@ __all__ = [
     "explicit",
     "load_explicit",
     "populate",
+    "segments_of",
 ]

@@ -10,6 +10,7 @@ from hav_env.compiled import canonical
 from hav_env.models.annotations import Range, kinds_of, show
 from hav_env.models.checks import check_fields, check_relations, check_value
 from hav_env.models.quantities import Articulation, Goals, Havs, Share, Speed, Steering, Trailers
+from hav_env.places import NOWHERE, Site
 from hav_env.scenarios.given_vehicles import (
     HavLimits,
     check_vehicles,
@@ -25,6 +26,7 @@ from hav_env.scenarios.written import (
     read_numbers,
 )
 from hav_env.world.arrays import put_straight, turn_unit
+from hav_env.world.place.segments import place_site
 
 # its numbers are checked HAV by HAV, below
 Numbers = Annotated[np.ndarray, Range(-math.inf, math.inf)]
@@ -50,6 +52,12 @@ class Explicit(NamedTuple):
     steering_max: Steering
     articulation_max: Articulation
     footprint_truck_share: Share = 0.0
+    site: Site = NOWHERE
+
+    @property
+    def num_segments(self) -> int:
+        """The site's."""
+        return self.site.num_segments
 
     @property
     def fleet(self) -> "Explicit":
@@ -77,6 +85,7 @@ def explicit(
     articulation_max: float = math.pi / 2,
     footprint_truck_share: float = 0.0,
     bends: Sequence[Sequence[float]] | None = None,
+    site: Site = NOWHERE,
 ) -> Explicit:
     """Write a scenario down; docs/ranges.md says what numbers may be.
 
@@ -90,6 +99,7 @@ def explicit(
         articulation_max: articulation beyond which they are jackknifed [rad].
         footprint_truck_share: share of the truck's length in the footprint radius d_i.
         bends: for each HAV the articulations of its trailers at the start [rad]; 0 by default.
+        site: the obstacles and bounds among which they drive; none by default.
 
     Raises:
         TypeError: naming what is no list or no number.
@@ -133,6 +143,7 @@ def explicit(
         steering_max=float(max(own.steering for own in units)),
         articulation_max=min(float(own.limit[1:].min()) for own in units),
         footprint_truck_share=footprint_truck_share,
+        site=site,
     )
     check_fields("scenario", scenario)
     return canonical(scenario)
@@ -172,6 +183,7 @@ def _(scenario: Explicit) -> None:
 def populate_explicit(scenario, world, lane):
     """Copy the scenario into one lane."""
     fleet, state = world.fleet, world.state
+    place_site(world.place, scenario.site, lane)
     for agent in range(scenario.num_havs):
         write_vehicle(scenario, agent, scenario.footprint_truck_share, fleet, agent, lane)
         x, y, heading = scenario.start[agent]

@@ -11,7 +11,7 @@ from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.models.quantities import Threads, Worlds
-from hav_env.scenarios import PlacementError, check_scenario
+from hav_env.scenarios import PlacementError, check_scenario, segments_of
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.transition import ended, remove_arrived, step
 from hav_env.simulator.trial import try_scenario, try_vehicle
@@ -172,7 +172,8 @@ def worlds_for(scenario: Any, task: Task, vehicle: Any, num_worlds: int) -> Worl
 def _shape(scenario: Any, task: Task, vehicle: Any) -> tuple:
     units = scenario.max_trailers + 1
     parts = not is_instant(vehicle), needs_hitches(vehicle), bodies_of(vehicle)
-    return scenario.num_havs, units, scenario.num_goals, task.continuous_collisions, *parts
+    shape = scenario.num_havs, units, scenario.num_goals, task.continuous_collisions
+    return *shape, *parts, segments_of(scenario)
 
 
 def check_parts(scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
@@ -180,7 +181,8 @@ def check_parts(scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
 
     Raises:
         ValueError: where trailers are hitched off the axles and the vehicle does not know hitches,
-            or where collisions between steps are asked for that are not looked for.
+            or where collisions between steps are asked for that are not looked for, or among
+            obstacles.
     """
     hitched = needs_hitches(vehicle)
     if not hitched and np.any(getattr(scenario.fleet, "offset", 0.0)):
@@ -193,6 +195,11 @@ def check_parts(scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
         raise ValueError(
             "task continuous_collisions is True, but must be False for vehicles with hitches off"
             " the axles or with bodies that have a width: they are compared at steps alone"
+        )
+    if task.continuous_collisions and segments_of(scenario) > 0:
+        raise ValueError(
+            "task continuous_collisions is True, but must be False where there are obstacles:"
+            " HAVs are compared with them at steps alone"
         )
 
 

@@ -11,6 +11,8 @@ from hav_env.world.continuous_collision import note_axles
 from hav_env.world.events import record_collisions
 from hav_env.world.goals import assign_goal
 from hav_env.world.neighborhood import find_nearby
+from hav_env.world.obstacles.collisions import begin_among_obstacles
+from hav_env.world.place.segments import Obstacles, Plane, clear_place
 from hav_env.world.units.parts import Hitches, Lines, OnAxles, Outlines
 
 
@@ -32,6 +34,7 @@ def begin(scenario, task, world, placed):
             state.ahead[row, lane] = 0.0
     _clear_record(world)
     for lane in range(world.lanes):
+        clear_place(world.place, lane)
         placed[lane] = populate(scenario, world, lane)
     for number in range(state.x.shape[0]):
         agent = fixed(number)
@@ -41,6 +44,7 @@ def begin(scenario, task, world, placed):
             assign_goal(world, agent, lane, 0)
         if task.continuous_collisions:
             note_axles(world, agent)
+        begin_among_obstacles(world.place, task, world, agent)
     find_nearby(task, world)
     record_collisions(task, world)
 
@@ -101,6 +105,9 @@ def put_worlds(block, worlds, places):
     copy_rows(block.fleet.limit, worlds.fleet.limit, places, lanes)
     copy_parts(block.fleet.joints, worlds.fleet.joints, places, lanes)
     copy_parts(block.fleet.bodies, worlds.fleet.bodies, places, lanes)
+    copy_parts(block.place, worlds.place, places, lanes)
+    for lane in range(lanes):
+        _put_dues(block.place, block.first + lane, worlds.place, worlds.first + places[lane])
     copy_rows(block.goals, worlds.goals, places, lanes)
     copy_rows(block.nearby.count, worlds.nearby.count, places, lanes)
     _put_neighbors(block, worlds, places)
@@ -140,6 +147,7 @@ def copy_parts(part, worlds, places, lanes):
 
 @copy_parts.register(OnAxles)
 @copy_parts.register(Lines)
+@copy_parts.register(Plane)
 def _copy_nothing(part, worlds, places, lanes):
     pass
 
@@ -154,3 +162,25 @@ def _copy_hitches(part, worlds, places, lanes):
 def _copy_outlines(part, worlds, places, lanes):
     copy_rows(part.shape, worlds.shape, places, lanes)
     copy_rows(part.reach, worlds.reach, places, lanes)
+
+
+@copy_parts.register(Obstacles)
+def _copy_obstacles(part, worlds, places, lanes):
+    copy_rows(part.segment, worlds.segment, places, lanes)
+    copy_rows(part.count, worlds.count, places, lanes)
+    copy_rows(part.driven, worlds.driven, places, lanes)
+
+
+@generic
+def _put_dues(place, w, places, to):
+    """Copy how far HAVs have to be driven for segments to be due, of one world by number."""
+
+
+@_put_dues.register(Plane)
+def _put_no_dues(place, w, places, to):
+    pass
+
+
+@_put_dues.register(Obstacles)
+def _put_dues_of_world(place, w, places, to):
+    places.due[to] = place.due[w]

@@ -16,10 +16,12 @@ from hav_env.world.arrays import (
     is_removed,
 )
 from hav_env.world.continuous_collision import note_axles
+from hav_env.world.event_table import obstacle_hit_at
 from hav_env.world.events import record_collisions, record_motion
 from hav_env.world.goals import assign_goal, record_approach
 from hav_env.world.lanes import block_of
 from hav_env.world.neighborhood import find_nearby
+from hav_env.world.obstacles.collisions import note_posture, record_obstacle_collisions
 from hav_env.world.task import ALONE, END, REMOVE
 
 # x of the first removed HAV and the distance from one to the next [m]
@@ -55,13 +57,16 @@ def move_hav(task, vehicle, world, agent, speed, steering):
     """Move one HAV of a block of worlds as it was commanded, and record what comes of it.
 
     Returns:
-        In how many lanes it may have jackknifed, and in how many it hit its goal.
+        In how many lanes it may have jackknifed or collided with an obstacle, and in how many it
+        hit its goal.
     """
     actuators = actuators_of(vehicle)
     actuate(actuators, task.dt, world, agent, speed, steering)
     moving = acting_block(actuators, world, agent)
+    note_posture(moving.place, moving, agent)
     move(vehicle, task.dt, moving, agent)
     events = record_motion(task, moving, agent)
+    events += record_obstacle_collisions(moving.place, task, moving, agent)
     hits = record_approach(task, moving, agent)
     return events, hits
 
@@ -73,7 +78,7 @@ def finish_step(task, world, events, hits):
     Args:
         task: the rules.
         world: the block.
-        events: how many jackknifes there may be, as the HAVs' moves told.
+        events: how many events there may be, as the HAVs' moves told.
         hits: how many goals were hit.
 
     Returns:
@@ -169,6 +174,8 @@ def terminated(task, world, agents, lane):
         collided = first[agent, ACTUAL, WHEN, lane] > 0
         broken = broken | ((task.on_jackknife == END) & jackknifed)
         broken = broken | ((task.on_collision == END) & collided)
+        hit = obstacle_hit_at(world.place, world, agent, lane) > 0
+        broken = broken | ((task.on_obstacle == END) & hit)
         finished = finished & arrived(world, agent, lane)
     return finished | broken
 

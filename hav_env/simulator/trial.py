@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hav_env.scenarios import RandomFleet, RandomPoses, populate
+from hav_env.scenarios import RandomFleet, RandomPoses, populate, segments_of
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.names_used import undefined_name
 from hav_env.vehicles import OnAxle, bodies_of, move, needs_hitches
@@ -68,7 +68,8 @@ def try_scenario(scenario: Any) -> None:
         few = scenario._replace(num_havs=HAVS_TRIED)
 
     def call() -> str:
-        worlds = allocate_worlds(1, few.num_havs, few.max_trailers + 1, few.num_goals)
+        shape = few.num_havs, few.max_trailers + 1, few.num_goals
+        worlds = allocate_worlds(1, *shape, num_segments=segments_of(few))
         placed = populate(few, worlds, 0)
         if not isinstance(placed, bool | np.bool_):
             return f"returns {placed!r}, but must return whether there was room: True or False"

@@ -18,6 +18,7 @@ import numpy as np
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import into_frame
+from hav_env.world.place.segments import allocate_place
 from hav_env.world.units.joints import hitch_offset, hitch_on_axles, least_squared_radius
 from hav_env.world.units.outlines import find_reach, shape_as_usual
 from hav_env.world.units.parts import Array, Lines, allocate_bodies, allocate_joints, arrays_in
@@ -99,7 +100,8 @@ class Record(NamedTuple):
 
 
 NEVER = -1
-EVENT_ROWS = JACKKNIFE, POTENTIAL, ACTUAL = tuple(range(3))  # see hav_env.world.event_table
+# see hav_env.world.event_table; a plane without obstacles has no last row
+EVENT_ROWS = JACKKNIFE, POTENTIAL, ACTUAL, OBSTACLE = tuple(range(4))
 WHEN, WHERE = range(2)
 # largest articulation [rad], not wrapped: beyond pi the HAV folded through; driven path [m];
 # steps in which the HAV was not waiting; 1.0 once it was removed from the world
@@ -121,6 +123,7 @@ class World(NamedTuple):
     goals: Array  # (N, G, 3, W) goal poses: x [m], y [m], heading [rad]
     nearby: Nearby
     record: Record
+    place: Any  # Plane or Obstacles, see hav_env.world.place.segments
     first: int  # which world of the batch lane 0 is
     lanes: int  # how many worlds there are from lane 0 on
     units: int  # to how many units of a HAV loops reach
@@ -136,6 +139,7 @@ def allocate_worlds(
     rolls: bool = False,
     hitched: bool = False,
     bodies: Any = Lines(),  # a NamedTuple is immutable
+    num_segments: int = 0,
     zeros: Callable[..., np.ndarray] = np.zeros,
 ) -> World:
     """Return the arrays of a batch.
@@ -151,9 +155,11 @@ def allocate_worlds(
         rolls: whether HAVs that wait may roll on until they have come to rest.
         hitched: whether hitches may lie off the axles.
         bodies: the model of the bodies.
+        num_segments: S, for how many segments of obstacles there is room.
         zeros: makes each array from its shape and kind of numbers.
     """
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
+    events = len(EVENT_ROWS) if num_segments > 0 else OBSTACLE
     buckets = 1 << (2 * n - 1).bit_length()  # a power of two, at least twice the HAVs
     num_pairs = n * (n - 1) // 2
 
@@ -186,7 +192,8 @@ def allocate_worlds(
             zeros((w, 4, buckets if n > FEW else 0), np.int64),
             real(n, 2 + 2 * u if continuous else 0),
         ),
-        Record(whole(n, len(EVENT_ROWS), 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
+        Record(whole(n, events, 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
+        allocate_place(num_segments, (n, u, w), zeros),
         0,
         num_worlds,
         num_units,
@@ -202,13 +209,14 @@ def world_size(
     rolls: bool = False,
     hitched: bool = False,
     bodies: Any = Lines(),
+    num_segments: int = 0,
 ) -> int:
     """Return how many bytes the arrays of one world take; nothing is allocated."""
 
     def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
         return np.broadcast_to(kind(0), shape)
 
-    shape = num_havs, num_units, num_goals, continuous, rolls, hitched, bodies
+    shape = num_havs, num_units, num_goals, continuous, rolls, hitched, bodies, num_segments
     return sum(array.nbytes for array in arrays_in(allocate_worlds(1, *shape, unbacked)))
 
 

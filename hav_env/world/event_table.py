@@ -6,8 +6,9 @@ entry here, one row of ``Record.first``, and the rule that records it.
 
 from typing import NamedTuple
 
-from hav_env.compiled import kernel
-from hav_env.world.arrays import ACTUAL, JACKKNIFE, NEVER, POTENTIAL, WHEN
+from hav_env.compiled import generic, kernel
+from hav_env.world.arrays import ACTUAL, JACKKNIFE, NEVER, OBSTACLE, POTENTIAL, WHEN
+from hav_env.world.place.segments import Obstacles, Plane
 
 
 class Event(NamedTuple):
@@ -20,7 +21,7 @@ class Event(NamedTuple):
     stem: str
     """Begins the names of the columns that tell the step and the place."""
     place: str
-    """Meaning of WHERE: the "joint" of the HAV, or the "partner" in a collision."""
+    """Meaning of WHERE: the "joint" of the HAV, the "partner" in a collision, the "segment"."""
     label: str
     """Name of its figure."""
     state: str
@@ -35,6 +36,8 @@ class Event(NamedTuple):
     """It needs another HAV."""
     harm: bool
     """A HAV to which it has happened has failed."""
+    obstacles: bool = False
+    """It needs obstacles: worlds without any have no row of it."""
 
 
 EVENTS = (
@@ -77,14 +80,33 @@ EVENTS = (
         company=True,
         harm=True,
     ),
+    Event(
+        name="obstacle_collision",
+        row=OBSTACLE,
+        stem="obstacle_collision",
+        place="segment",
+        label="obstacle collision",
+        state="hit an obstacle",
+        happens="obstacle collision",
+        sign="▲",
+        color="alert",
+        company=False,
+        harm=True,
+        obstacles=True,
+    ),
 )
 HARM = tuple(event for event in EVENTS if event.harm)
-_HARM_ROWS = tuple(event.row for event in HARM)
+_HARM_ROWS = tuple(event.row for event in HARM if not event.obstacles)
 
 
 def happened(first, event: Event):
     """Tell to which HAVs an event has happened, from ``Record.first`` (N, E, 2, ...)."""
     return first[:, event.row, WHEN] != NEVER
+
+
+def events_in(first) -> tuple[Event, ...]:
+    """Return the events that can happen in worlds, given their ``Record.first``, in its order."""
+    return EVENTS[: first.shape[1]]
 
 
 @kernel
@@ -93,4 +115,19 @@ def unharmed(world, agent, lane):
     first, harmed = world.record.first, False
     for row in _HARM_ROWS:
         harmed = harmed | (first[agent, row, WHEN, lane] != NEVER)
-    return not harmed
+    return not (harmed | (obstacle_hit_at(world.place, world, agent, lane) != NEVER))
+
+
+@generic
+def obstacle_hit_at(place, world, agent, lane):
+    """Return in which step a HAV first collided with an obstacle, or NEVER."""
+
+
+@obstacle_hit_at.register(Plane)
+def _never_hit(place, world, agent, lane):
+    return NEVER
+
+
+@obstacle_hit_at.register(Obstacles)
+def _hit_at(place, world, agent, lane):
+    return world.record.first[agent, OBSTACLE, WHEN, lane]

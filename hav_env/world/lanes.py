@@ -6,6 +6,7 @@ import numpy as np
 
 from hav_env.compiled import VECTOR, generic, kernel, lanes_from, rare_kernel
 from hav_env.world.arrays import Fleet, Nearby, Record, State, World
+from hav_env.world.place.segments import Obstacles, Plane
 from hav_env.world.units.parts import Hitches, Lines, OnAxles, Outlines, part_from
 
 LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
@@ -57,6 +58,7 @@ def block_of(worlds, first, lanes, units):
             lanes_from(record.goal, first),
             lanes_from(record.miss, first),
         ),
+        part_from(worlds.place, first),
         worlds.first + first,
         lanes,
         units,
@@ -116,6 +118,7 @@ def exchange_parts(one, other, lane, to):
 
 @exchange_parts.register(OnAxles)
 @exchange_parts.register(Lines)
+@exchange_parts.register(Plane)
 def _exchange_nothing(one, other, lane, to):
     pass
 
@@ -130,6 +133,13 @@ def _exchange_hitches(one, other, lane, to):
 def _exchange_outlines(one, other, lane, to):
     exchange_lanes(one.shape, lane, other.shape, to)
     exchange_lanes(one.reach, lane, other.reach, to)
+
+
+@exchange_parts.register(Obstacles)
+def _exchange_obstacles(one, other, lane, to):
+    exchange_lanes(one.segment, lane, other.segment, to)
+    exchange_lanes(one.count, lane, other.count, to)
+    exchange_lanes(one.driven, lane, other.driven, to)
 
 
 @rare_kernel
@@ -156,12 +166,33 @@ def exchange_worlds(one, lane, other, to):
     exchange_parts(one.fleet.joints, other.fleet.joints, lane, to)
     exchange_parts(one.fleet.bodies, other.fleet.bodies, lane, to)
     exchange_lanes(one.goals, lane, other.goals, to)
+    exchange_parts(one.place, other.place, lane, to)
     _exchange_neighbors(one, lane, other, to)
+    exchange_dues(one.place, one.first + lane, other.place, other.first + to)
     exchange_lanes(one.nearby.were, lane, other.nearby.were, to)
     exchange_lanes(one.record.first, lane, other.record.first, to)
     exchange_lanes(one.record.total, lane, other.record.total, to)
     exchange_lanes(one.record.goal, lane, other.record.goal, to)
     exchange_lanes(one.record.miss, lane, other.record.miss, to)
+
+
+@generic
+def exchange_dues(one, w, other, to):
+    """Exchange how far HAVs have to be driven for segments to be due, of two worlds by number."""
+
+
+@exchange_dues.register(Plane)
+def _exchange_no_dues(one, w, other, to):
+    pass
+
+
+@exchange_dues.register(Obstacles)
+def _exchange_dues_of_worlds(one, w, other, to):
+    due, to_due = one.due[w], other.due[to]
+    for index in np.ndindex(due.shape):
+        kept = to_due[index]
+        to_due[index] = due[index]
+        due[index] = kept
 
 
 @kernel
@@ -193,8 +224,18 @@ def view_of(worlds: World, w: int) -> World:
         worlds.goals[..., w],
         Nearby(nearby.count[..., w], *of_world, nearby.grid[w], nearby.were[..., w]),
         view(worlds.record),
+        _view_of_place(worlds.place, w),
         w,
         1,
         worlds.units,
         worlds.rolls,
     )
+
+
+def _view_of_place(place: Any, w: int) -> Any:
+    """Return the place of one world: as in ``view_of``; segments that it does not have are left."""
+    if isinstance(place, Plane):
+        return place
+    lanes = [part if name == "due" else part[..., w] for name, part in place._asdict().items()]
+    view = Obstacles(*lanes)
+    return view._replace(due=place.due[w])

@@ -1,12 +1,16 @@
-"""This module has the bodies of HAVs as rectangles, one for each unit, with width and overhangs."""
+"""This module has the bodies of HAVs as rectangles, one for each unit, with width and overhangs.
+
+A line is a rectangle without width (``body_of``).
+"""
 
 import math
 
-from hav_env.compiled import kernel, rare_kernel
+from hav_env.compiled import generic, kernel, rare_kernel
 from hav_env.maths.rectangles import nearest_on_rectangle, rectangle_gap
 from hav_env.world.bodies import bodies_meet, find_box, front_end, nearest_on_bodies, reach_of
 from hav_env.world.chain import ends_behind, front_axle
-from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Outlines
+from hav_env.world.units.joints import unit_spans
+from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Lines, Outlines
 
 
 @kernel
@@ -84,3 +88,39 @@ def _front_of_rectangle(bodies, world, agent, lane):
 @reach_of.register(Outlines)
 def _reach_of_rectangles(bodies, fleet, agent, lane):
     return bodies.reach[agent, lane]
+
+
+@generic
+def body_of(bodies, world, agent, unit, lane, x, y):
+    """Return the body of a unit as a rectangle, given its front end [m]; see ``rectangle_of``."""
+
+
+@body_of.register(Outlines)
+def _rectangle_itself(bodies, world, agent, unit, lane, x, y):
+    return rectangle_of(bodies, world, agent, unit, lane, x, y)
+
+
+@body_of.register(Lines)
+def _line_as_rectangle(bodies, world, agent, unit, lane, x, y):
+    line, _ = unit_spans(world.fleet.joints, world.fleet, agent, unit, lane)
+    cosine, sine = world.state.cosine[agent, unit, lane], world.state.sine[agent, unit, lane]
+    half = 0.5 * line
+    return x - half * cosine, y - half * sine, cosine, sine, half, 0.0
+
+
+@generic
+def margin_of(bodies, fleet, agent, unit, lane):
+    """Return how far at most [m] the body of a unit reaches from the line between its ends."""
+
+
+@margin_of.register(Lines)
+def _no_margin(bodies, fleet, agent, unit, lane):
+    return 0.0
+
+
+@margin_of.register(Outlines)
+def _margin_of_rectangle(bodies, fleet, agent, unit, lane):
+    shape = bodies.shape
+    overhang = max(shape[agent, unit, FRONT, lane], shape[agent, unit, REAR, lane])
+    margin = shape[agent, unit, HALF_WIDTH, lane] + overhang
+    return margin if unit <= fleet.num_trailers[agent, lane] else 0.0

@@ -52,6 +52,8 @@ class Task(NamedTuple):
     """A jackknife is recorded and the episode goes on, or it ends the episode."""
     on_collision: Literal["record", "end"] = "record"
     """The same for an actual collision."""
+    on_obstacle: Literal["record", "end"] = "record"
+    """The same for a collision with an obstacle, where there are any."""
     continuous_collisions: bool = False
     """Look for actual collisions between steps too, where every axle goes straight from its place
     before the step to its place after it; among HAVs that sense each other. The paper's figures

@@ -1,0 +1,212 @@
+"""This module finds out which HAVs collide with obstacles, and when.
+
+A segment is tested exactly when a HAV may have reached it, and not before. The exact test finds the
+gap between a segment and the bodies of a HAV. From then on the simulator adds up by how much the
+points of the HAV have moved at most. The segment is not due again until the sum exceeds the gap.
+
+The most that a point has moved in a step is measured, not derived from a model of the kinematics.
+A body is rigid: it moves by an affine map, and its points on the line between two ends move no
+farther than the farther of both. A point e beyond that line moves at most e times the length of
+the difference of both directions farther. So the rule holds for every vehicle and integrator.
+"""
+
+import math
+
+from hav_env.compiled import fixed, generic, kernel, rare_kernel
+from hav_env.maths.geometry import clip
+from hav_env.maths.rectangles import rectangle_gap
+from hav_env.world.arrays import NEVER, OBSTACLE, STEP, WHEN, WHERE
+from hav_env.world.bodies import reach_of
+from hav_env.world.chain import ends_behind, front_axle
+from hav_env.world.place.segments import (
+    BEFORE_X,
+    BEFORE_Y,
+    DRIVEN,
+    FARTHEST,
+    NEXT_DUE,
+    SWING,
+    WENT_X,
+    WENT_Y,
+    Obstacles,
+    Plane,
+    segment_of,
+)
+from hav_env.world.rectangle_bodies import body_of, margin_of
+from hav_env.world.task import records
+from hav_env.world.units.joints import unit_spans
+
+_ROUNDING = 1e-6  # [m], more than rounding makes of gaps as far out as coordinates may be
+_FAR = 0.5  # of the reach: so far off, the distance to the truck says enough
+
+
+@generic
+def note_posture(place, world, agent):
+    """Write down how a HAV stands before it moves, in every lane of a block."""
+
+
+@note_posture.register(Plane)
+def _note_nothing(place, world, agent):
+    pass
+
+
+@note_posture.register(Obstacles)
+def _note_directions(place, world, agent):
+    state = world.state
+    for lane in range(world.lanes):
+        place.moved[BEFORE_X, lane] = state.x[agent, lane]
+        place.moved[BEFORE_Y, lane] = state.y[agent, lane]
+    for number in range(world.units):
+        unit = fixed(number)
+        for lane in range(world.lanes):
+            place.cosine[unit, lane] = state.cosine[agent, unit, lane]
+            place.sine[unit, lane] = state.sine[agent, unit, lane]
+
+
+@generic
+def record_obstacle_collisions(place, task, world, agent):
+    """Record the first collision of a HAV with a segment, in every lane, once it has moved.
+
+    ``note_posture`` comes before the move.
+
+    Returns:
+        How many HAVs collided for the first time.
+    """
+
+
+@record_obstacle_collisions.register(Plane)
+def _record_nothing(place, task, world, agent):
+    return 0
+
+
+@record_obstacle_collisions.register(Obstacles)
+def _record_those_due(place, task, world, agent):
+    _add_motion(place, world, agent)
+    due = 0
+    for lane in range(world.lanes):
+        due += place.driven[agent, DRIVEN, lane] >= place.driven[agent, NEXT_DUE, lane]
+    return _test_lanes(place, task, world, agent) if due > 0 else 0
+
+
+@generic
+def begin_among_obstacles(place, task, world, agent):
+    """Begin an episode of a HAV in every lane: all segments are due, and are tested."""
+
+
+@begin_among_obstacles.register(Plane)
+def _begin_in_plane(place, task, world, agent):
+    pass
+
+
+@begin_among_obstacles.register(Obstacles)
+def _begin_anew(place, task, world, agent):
+    for lane in range(world.lanes):
+        place.driven[agent, DRIVEN, lane] = 0.0
+        place.driven[agent, NEXT_DUE, lane] = 0.0
+        due = place.due[world.first + lane, agent]
+        for number in range(due.shape[0]):
+            due[number] = 0.0 if number < place.count[lane] else math.inf
+    _test_lanes(place, task, world, agent)
+
+
+@kernel
+def _add_motion(place, world, agent):
+    """Add up by how much the points of a HAV have moved at most; see the module's docstring."""
+    state, fleet, moved = world.state, world.fleet, place.moved
+    for lane in range(world.lanes):
+        wheelbase = fleet.length[agent, 0, lane]
+        dx, dy = _turned(place, state, agent, 0, lane)
+        went_x = state.x[agent, lane] - moved[BEFORE_X, lane] + wheelbase * dx
+        went_y = state.y[agent, lane] - moved[BEFORE_Y, lane] + wheelbase * dy
+        moved[WENT_X, lane], moved[WENT_Y, lane] = went_x, went_y
+        moved[FARTHEST, lane] = went_x * went_x + went_y * went_y
+        moved[SWING, lane] = 0.0
+    for number in range(world.units):
+        unit = fixed(number)
+        for lane in range(world.lanes):
+            line, following = unit_spans(fleet.joints, fleet, agent, unit, lane)
+            dx, dy = _turned(place, state, agent, unit, lane)
+            went_x, went_y = moved[WENT_X, lane], moved[WENT_Y, lane]
+            end_x, end_y = went_x - line * dx, went_y - line * dy
+            moved[FARTHEST, lane] = max(moved[FARTHEST, lane], end_x * end_x + end_y * end_y)
+            moved[WENT_X, lane], moved[WENT_Y, lane] = (
+                went_x - following * dx,
+                went_y - following * dy,
+            )
+            margin = margin_of(fleet.bodies, fleet, agent, unit, lane)
+            moved[SWING, lane] = max(moved[SWING, lane], margin * margin * (dx * dx + dy * dy))
+    for lane in range(world.lanes):
+        most = math.sqrt(moved[FARTHEST, lane]) + math.sqrt(moved[SWING, lane])
+        place.driven[agent, DRIVEN, lane] += most
+
+
+@kernel
+def _turned(place, state, agent, unit, lane):
+    """Return by how much the direction of a unit has changed: the difference of unit vectors."""
+    return (
+        state.cosine[agent, unit, lane] - place.cosine[unit, lane],
+        state.sine[agent, unit, lane] - place.sine[unit, lane],
+    )
+
+
+@rare_kernel
+def _test_lanes(place, task, world, agent):
+    """Test the segments that are due, in every lane; return how many HAVs collided."""
+    first, news = world.record.first, 0
+    for lane in range(world.lanes):
+        if not place.driven[agent, DRIVEN, lane] >= place.driven[agent, NEXT_DUE, lane]:
+            continue
+        if not records(task, world.state.clock[STEP, lane]):
+            continue
+        hit = _test_segments(place, world, agent, lane)
+        if hit != NEVER:
+            first[agent, OBSTACLE, WHEN, lane] = world.state.clock[STEP, lane]
+            first[agent, OBSTACLE, WHERE, lane] = hit
+            place.driven[agent, NEXT_DUE, lane] = math.inf  # only the first collision is recorded
+            news += 1
+    return news
+
+
+@kernel
+def _test_segments(place, world, agent, lane):
+    """Test the segments that are due; return the first that a HAV collides with, or NEVER."""
+    driven, due = place.driven[agent, DRIVEN, lane], place.due[world.first + lane, agent]
+    least = math.inf
+    for number in range(place.count[lane]):
+        if due[number] <= driven:
+            gap = gap_to_segment(world, agent, segment_of(place, number, lane), lane)
+            if gap <= 0.0:
+                return number
+            due[number] = driven + gap - _ROUNDING
+        least = min(least, due[number])
+    place.driven[agent, NEXT_DUE, lane] = least
+    return NEVER
+
+
+@rare_kernel
+def gap_to_segment(world, agent, segment, lane):
+    """Return a gap between a segment and the bodies of a HAV [m], at most their distance.
+
+    It is above zero if and only if they have no point in common.
+    """
+    far = _distance_to_truck(world, agent, segment, lane)
+    reach = reach_of(world.fleet.bodies, world.fleet, agent, lane)
+    if far > (1.0 + _FAR) * reach:
+        return far - reach
+    x, y = front_axle(world, agent, lane)
+    least = math.inf
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        body = body_of(world.fleet.bodies, world, agent, unit, lane, x, y)
+        least = min(least, rectangle_gap(body, segment))
+        _, _, x, y = ends_behind(world, agent, unit, lane, x, y)
+    return least
+
+
+@kernel
+def _distance_to_truck(world, agent, segment, lane):
+    """Return the distance [m] from the truck's rear axle to a segment."""
+    x, y, cosine, sine, half, _ = segment
+    dx, dy = world.state.x[agent, lane] - x, world.state.y[agent, lane] - y
+    along = dx * cosine + dy * sine
+    beyond = along - clip(along, -half, half)
+    across = dy * cosine - dx * sine
+    return math.sqrt(beyond * beyond + across * across)

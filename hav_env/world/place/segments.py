@@ -1,0 +1,171 @@
+"""This module declares the place of a batch, the part of its worlds that has obstacles.
+
+The type of ``world.place`` selects code. ``Plane`` is the paper's: it is empty, holds no arrays and
+costs nothing. N HAVs of a world, U units of a HAV, S segments of a world, W worlds.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hav_env.compiled import generic, kernel, lanes_from
+from hav_env.world.units.parts import Array, part_from
+
+
+class Plane(NamedTuple):
+    """A plane without obstacles."""
+
+
+class Obstacles(NamedTuple):
+    """Segments that HAVs may collide with.
+
+    A segment is tested against a HAV only when the HAV may have reached it: see
+    ``hav_env.world.obstacles.collisions``. The world is the first axis of what is looked through
+    for one HAV of one world.
+    """
+
+    segment: Array  # (S, 5, W) columns MIDDLE_X .. HALF_LENGTH
+    count: Array  # (W,) how many segments the world has; those beyond are points far away
+    due: Array  # (W, N, S) how far [m] a HAV has to be driven for a segment to be tested anew
+    driven: Array  # (N, 2, W) columns DRIVEN, NEXT_DUE [m]
+    cosine: Array  # (U, W) scratch: of the units of the HAV at hand, before it moves
+    sine: Array  # (U, W) likewise
+    moved: Array  # (6, W) scratch, rows BEFORE_X .. SWING
+
+
+MIDDLE_X, MIDDLE_Y, DIRECTION_COSINE, DIRECTION_SINE, HALF_LENGTH = range(5)
+# by how much all points of a HAV have moved at most, added up; the least of all that is due
+DRIVEN, NEXT_DUE = range(2)
+# where the truck's rear axle was; how far the front end of the unit at hand went; the square of
+# how far any end went, at most; how far a corner may have gone beyond the ends, at most
+BEFORE_X, BEFORE_Y, WENT_X, WENT_Y, FARTHEST, SWING = range(6)
+_ROWS = SWING + 1
+OUTSIDE = 1e12  # [m] where nobody drives, and nobody is put who was removed
+
+
+def allocate_place(num_segments: int, shape: tuple[int, int, int], zeros: Callable) -> Any:
+    """Return the arrays of a place: ``Obstacles``, or ``Plane`` where there are no segments.
+
+    Args:
+        num_segments: S.
+        shape: N, U and W.
+        zeros: makes each array from its shape and kind of numbers.
+    """
+    if num_segments == 0:
+        return Plane()
+    s, (n, u, w) = num_segments, shape
+    segment = zeros((s, 5, w), np.float64)
+    return Obstacles(
+        segment + np.array([OUTSIDE, OUTSIDE, 1.0, 0.0, 0.0])[:, None],
+        zeros((w,), np.int64),
+        zeros((w, n, s), np.float64),
+        zeros((n, 2, w), np.float64),
+        zeros((u, w), np.float64),
+        zeros((u, w), np.float64),
+        zeros((_ROWS, w), np.float64),
+    )
+
+
+@part_from.register(Plane)
+def _keep_plane(part, first):
+    return part
+
+
+@part_from.register(Obstacles)
+def _obstacles_from(part, first):
+    return Obstacles(
+        lanes_from(part.segment, first),
+        lanes_from(part.count, first),
+        part.due,
+        lanes_from(part.driven, first),
+        lanes_from(part.cosine, first),
+        lanes_from(part.sine, first),
+        lanes_from(part.moved, first),
+    )
+
+
+@generic
+def place_segment(place, number, lane, ax, ay, bx, by):
+    """Put a segment from a to b [m] into a world, under its number, from 0."""
+
+
+@place_segment.register(Plane)
+def _place_none(place, number, lane, ax, ay, bx, by):
+    pass
+
+
+@place_segment.register(Obstacles)
+def _place_one(place, number, lane, ax, ay, bx, by):
+    dx, dy = 0.5 * (bx - ax), 0.5 * (by - ay)
+    half = math.sqrt(dx * dx + dy * dy)
+    per_half = 1.0 / half if half > 0.0 else 0.0
+    place.segment[number, MIDDLE_X, lane] = 0.5 * (ax + bx)
+    place.segment[number, MIDDLE_Y, lane] = 0.5 * (ay + by)
+    place.segment[number, DIRECTION_COSINE, lane] = dx * per_half if half > 0.0 else 1.0
+    place.segment[number, DIRECTION_SINE, lane] = dy * per_half
+    place.segment[number, HALF_LENGTH, lane] = half
+    place.count[lane] = max(place.count[lane], number + 1)
+
+
+@generic
+def clear_place(place, lane):
+    """Take all segments out of a world."""
+
+
+@clear_place.register(Plane)
+def _clear_nothing(place, lane):
+    pass
+
+
+@clear_place.register(Obstacles)
+def _clear_segments(place, lane):
+    for number in range(place.count[lane]):
+        place.segment[number, MIDDLE_X, lane] = OUTSIDE
+        place.segment[number, MIDDLE_Y, lane] = OUTSIDE
+        place.segment[number, HALF_LENGTH, lane] = 0.0
+    place.count[lane] = 0
+
+
+@kernel
+def place_site(place, site, lane):
+    """Put all segments of a site into a world that has none.
+
+    Args:
+        place: of a block of worlds that has room for them.
+        site: with segments (S, 4), x and y of both ends [m].
+        lane: which world.
+    """
+    for number in range(site.segment.shape[0]):
+        ax, ay, bx, by = site.segment[number]
+        place_segment(place, number, lane, ax, ay, bx, by)
+
+
+@generic
+def num_segments(place, lane):
+    """Return how many segments a world has."""
+
+
+@num_segments.register(Plane)
+def _none(place, lane):
+    return 0
+
+
+@num_segments.register(Obstacles)
+def _count_of(place, lane):
+    return place.count[lane]
+
+
+@kernel
+def segment_of(place, number, lane):
+    """Return a segment as a rectangle without width, see ``hav_env.maths.rectangles``."""
+    segment = place.segment
+    return (
+        segment[number, MIDDLE_X, lane],
+        segment[number, MIDDLE_Y, lane],
+        segment[number, DIRECTION_COSINE, lane],
+        segment[number, DIRECTION_SINE, lane],
+        segment[number, HALF_LENGTH, lane],
+        0.0,
+    )
