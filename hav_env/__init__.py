@@ -14,6 +14,7 @@ from hav_env.envs.hav_swarm_v0 import env, parallel_env
 from hav_env.mdp.reward import Reward, reward_terms
 from hav_env.models.names import find_model
 from hav_env.observation import Observation
+from hav_env.places import Site, build_site
 from hav_env.policies import (
     PolicyDriver,
     act,
@@ -29,6 +30,7 @@ from hav_env.scenarios import (
     Column,
     Crossing,
     Explicit,
+    Field,
     PlacementError,
     RandomFleet,
     RandomPoses,
@@ -56,6 +58,7 @@ __all__ = [
     "Column",
     "Crossing",
     "Explicit",
+    "Field",
     "HAVVecEnv",
     "Instant",
     "Limited",
@@ -69,12 +72,14 @@ __all__ = [
     "RandomPoses",
     "Rectangles",
     "Reward",
+    "Site",
     "Task",
     "Yard",
     "act",
     "act_lanes",
     "allocate_memory",
     "broadcast_size",
+    "build_site",
     "catalogue",
     "catalogue_fleet",
     "decide",

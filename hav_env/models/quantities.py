@@ -15,6 +15,7 @@ ABOVE_ZERO = math.nextafter(0.0, 1.0)
 Length = Annotated[float, Range(0.01, 1e3, "m")]  # of a truck or a trailer
 BodyWidth = Annotated[float, Range(0.0, 100.0, "m")]
 Overhang = Annotated[float, Range(0.0, 100.0, "m")]  # of a body beyond a front end or an axle
+RayRange = Annotated[float, Range(0.1, 1e6, "m")]
 Gap = Annotated[float, Range(1e-3, 1e6, "m")]  # more than rounding adds up to along a row of HAVs
 Coordinate = Annotated[float, Range(-1e8, 1e8, "m")]  # five times as far as web maps reach
 Heading = Annotated[float, Range(-1e6, 1e6, "rad")]
@@ -30,6 +31,7 @@ AngleTolerance = Annotated[float, Range(1e-6, 10.0, "rad")]
 Distance = Annotated[float, Range(0.0, 1e6, "m")]  # any other, from nothing on
 Angle = Annotated[float, Range(0.0, 10.0, "rad")]  # any other, from nothing on
 Factor = Annotated[float, Range(0.0, 1e6)]
+Widening = Annotated[float, Range(1.0, 100.0)]  # of a radius
 Release = Annotated[float, Range(1.0, 1e6)]
 Coefficient = Annotated[float, Range(-100.0, 100.0)]  # in exponents
 Share = Annotated[float, Range(0.0, 1.0, said="from 0 to 1")]
@@ -40,6 +42,8 @@ AreaFactor = Annotated[float, Range(1e-3, 1e6)]
 AboveZero = Annotated[float, Range(ABOVE_ZERO, 1e6, said="above 0 and at most 1e+06")]
 
 Havs = Annotated[int, Range(1, 10_000)]  # of a world
+Seen = Annotated[int, Range(0, 1_000)]  # segments of which the nearest point is observed
+Rays = Annotated[int, Range(0, 1_024)]
 Neighbors = Annotated[int, Range(0, 10_000)]  # who is observed, at most
 Goals = Annotated[int, Range(1, 1_000)]  # of a HAV
 Trailers = Annotated[int, Range(1, 100)]

@@ -3,10 +3,11 @@
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
-from hav_env.models.checks import check_value
-from hav_env.models.quantities import Neighbors
+from hav_env.models.checks import check_relations, check_value, require
+from hav_env.models.quantities import Neighbors, RayRange, Rays, Seen
 from hav_env.observation import neighbors as of_neighbors
 from hav_env.observation.columns import Column
+from hav_env.observation.obstacles import obstacle_columns
 from hav_env.observation.own import ITSELF, MOTION, count_unit_columns, unit_columns
 from hav_env.observation.route import ROUTE
 
@@ -26,6 +27,19 @@ class Observation(NamedTuple):
     """Add the neighbours' speeds, and what is near the fronts of trucks: with them HAVs collide."""
     motion: bool = False
     """Add the own speed and steering, for trucks that do not do at once what is commanded."""
+    obstacles: Seen = 0
+    """K, of how many segments of obstacles the nearest point is seen, nearest first."""
+    rays: Rays = 0
+    """R, in how many directions the distance to obstacles and to other HAVs is seen: an even
+    number. The first is forward, the others follow counter-clockwise."""
+    ray_range: RayRange = 50.0
+    """Length of the rays [m]."""
+
+
+@check_relations.register
+def _(observation: Observation) -> None:
+    even = observation.rays % 2 == 0
+    require(even, "observation", observation, "rays", "an even number: each has one opposite")
 
 
 def check_observation(observation: Observation) -> None:
@@ -41,14 +55,16 @@ def check_observation(observation: Observation) -> None:
 def settle(observation: Observation, num_havs: int) -> Observation:
     """Return the observation with no more neighbours than there are."""
     neighbors = min(observation.neighbors, num_havs - 1)
-    nobody = Observation(neighbors=0, motion=observation.motion)
-    return observation._replace(neighbors=neighbors) if neighbors > 0 else nobody
+    if neighbors == 0:
+        return observation._replace(neighbors=0, chains=False, fronts=False)
+    return observation._replace(neighbors=neighbors)
 
 
 def list_columns(observation: Observation, max_trailers: int) -> tuple[Column, ...]:
     """Return the columns of a settled observation, in their order."""
     motion = MOTION if observation.motion else ()
     found = [*ITSELF, *ROUTE, *unit_columns(max_trailers), *motion]
+    found += obstacle_columns(observation.obstacles, observation.rays)
     one = of_neighbors.neighbor_columns(observation.chains, observation.fronts, max_trailers)
     for k in range(observation.neighbors):
         found += [column._replace(name=f"neighbor_{k}_{column.name}") for column in one]

@@ -15,7 +15,11 @@ TO_GOAL, TO_APPROACH = 0, 3
 GOAL_FORWARD, GOAL_LEFT, APPROACH_FORWARD, APPROACH_LEFT = range(6, 10)
 GOAL_HEADING, GOAL_COSINE, GOAL_SINE = range(10, 13)
 # radii of the circles of the paths to the two points, truck's length [m]; steepest steering [rad]
-DRIVABLE_RADIUS, STABLE_RADIUS, WHEELBASE, STEERING_MAX, SCRATCH_ROWS = range(13, 18)
+DRIVABLE_RADIUS, STABLE_RADIUS, WHEELBASE, STEERING_MAX = range(13, 17)
+# of a segment, or of another HAV's body, as seen from the truck: its middle, and from there to one
+# end, or the direction along it and half its length and width [m]; the nearest point
+SEEN_X, SEEN_Y, SEEN_ALONG_X, SEEN_ALONG_Y, SEEN_HALF, SEEN_WIDTH = range(17, 23)
+POINT_SQUARED, POINT_FORWARD, POINT_LEFT, SCRATCH_ROWS = range(23, 27)
 
 
 class Scratch(NamedTuple):

@@ -1,9 +1,9 @@
 """This package has the scenarios, which place HAVs and goals: one file for each kind.
 
 A scenario is a NamedTuple whose type selects its kernel. The arrays get their shapes from its
-fields ``num_havs``, ``num_goals`` and ``max_trailers``, and ``num_segments`` where it has obstacles. Beyond ``articulation_max`` [rad] its HAVs
-are jackknifed. Its ``fleet`` draws the HAVs and states the limits of all. ``Explicit`` writes down
-each HAV's lengths and limits, and is its own fleet.
+fields ``num_havs``, ``num_goals`` and ``max_trailers``, and ``num_segments`` if it has obstacles.
+Beyond ``articulation_max`` [rad] its HAVs are jackknifed. Its ``fleet`` draws the HAVs and states
+the limits of all. ``Explicit`` writes down each HAV's lengths and limits, and is its own fleet.
 """
 
 from typing import Any
@@ -27,6 +27,7 @@ from hav_env.scenarios.column import Column, populate_column
 from hav_env.scenarios.crossing import Crossing, populate_crossing
 from hav_env.scenarios.explicit import Explicit, explicit, populate_explicit
 from hav_env.scenarios.explicit_files import load_explicit
+from hav_env.scenarios.field import Field, populate_field
 from hav_env.scenarios.fleets import RandomFleet
 from hav_env.scenarios.random_poses import RandomPoses, populate_random_poses
 from hav_env.scenarios.yard import Yard, populate_yard
@@ -85,6 +86,7 @@ class PlacementError(ValueError):
 
 populate.register(RandomPoses)(populate_random_poses)
 populate.register(Crossing)(populate_crossing)
+populate.register(Field)(populate_field)
 populate.register(Yard)(populate_yard)
 populate.register(Column)(populate_column)
 populate.register(Explicit)(populate_explicit)
@@ -94,6 +96,7 @@ __all__ = [
     "Column",
     "Crossing",
     "Explicit",
+    "Field",
     "PlacementError",
     "RandomFleet",
     "RandomPoses",

@@ -9,8 +9,10 @@
 | ``crossing-2``, ``-8`` | so many HAVs on a circle, through its centre to the other side |
 | ``yard-4``, ``-10`` | from a row of so many bays into random bays opposite |
 | ``column-5`` | five HAVs one behind the other, 200 m straight on |
+| ``field-1``, ``field-4`` | so many real vehicles among 32 random walls in 120 m x 120 m |
 
-The fleets are the paper's throughout; everything else is in the docstrings of the classes.
+The fleets are the paper's where nothing else is said. Everything else is in the docstrings of the
+classes.
 """
 
 import os
@@ -24,6 +26,7 @@ from hav_env.scenarios import (
     Column,
     Crossing,
     Explicit,
+    Field,
     RandomPoses,
     Yard,
     check_scenario,
@@ -41,6 +44,8 @@ SCENARIOS: dict[str, Any] = {
     "yard-4": Yard(num_havs=4),
     "yard-10": Yard(num_havs=10),
     "column-5": Column(num_havs=5),
+    "field-1": Field(num_havs=1),
+    "field-4": Field(num_havs=4),
 }
 
 

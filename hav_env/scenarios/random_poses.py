@@ -47,7 +47,7 @@ def populate_random_poses(scenario, world, lane):
         side = _area_side(scenario, world.fleet, lane)
         # phase -1 stands for the starts, drawn where the first goals will be
         for phase in range(-1, scenario.num_goals):
-            draw = _place_all(scenario, world, max(phase, 0), side, lane, key, draw)
+            draw = place_all(scenario, world, max(phase, 0), side, lane, key, draw)
             if draw < 0:
                 break
             if phase < 0:
@@ -71,10 +71,20 @@ def _area_side(scenario, fleet, lane):
 
 
 @kernel
-def _place_all(scenario, world, phase, side, lane, key, draw):
+def place_all(scenario, world, phase, side, lane, key, draw):
     """Draw the goals of a phase, none in potential collision with another; return the next draw.
 
-    The draw comes back negative when there was no room.
+    Args:
+        scenario: its numbers of HAVs and of attempts.
+        world: the block.
+        phase: which goal of each HAV, from 0.
+        side: of the square in which they lie [m].
+        lane: which world.
+        key: of the episode's random numbers.
+        draw: number of the first random number.
+
+    Returns:
+        The next draw; negative when there was no room.
     """
     goals = world.goals
     for agent in range(scenario.num_havs):

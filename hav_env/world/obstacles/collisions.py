@@ -80,7 +80,7 @@ def _record_nothing(place, task, world, agent):
 
 @record_obstacle_collisions.register(Obstacles)
 def _record_those_due(place, task, world, agent):
-    _add_motion(place, world, agent)
+    add_motion(place, world, agent)
     due = 0
     for lane in range(world.lanes):
         due += place.driven[agent, DRIVEN, lane] >= place.driven[agent, NEXT_DUE, lane]
@@ -109,7 +109,7 @@ def _begin_anew(place, task, world, agent):
 
 
 @kernel
-def _add_motion(place, world, agent):
+def add_motion(place, world, agent):
     """Add up by how much the points of a HAV have moved at most; see the module's docstring."""
     state, fleet, moved = world.state, world.fleet, place.moved
     for lane in range(world.lanes):

@@ -1,0 +1,142 @@
+"""This module casts rays from a HAV's truck: how far it is to obstacles and to other HAVs.
+
+A ray begins at the truck's rear axle and passes through the HAV's own bodies. Each is cast in both
+directions at once: what is behind has a negative length.
+"""
+
+import math
+
+from hav_env.compiled import generic, kernel
+from hav_env.world.arrays import into_truck_frame
+from hav_env.world.bodies import reach_of
+from hav_env.world.chain import ends_behind, front_axle
+from hav_env.world.place.segments import Obstacles, Plane, segment_of
+from hav_env.world.rectangle_bodies import body_of
+
+_TINY = 1e-30  # keeps quotients finite where a ray is parallel to a side
+
+
+@kernel
+def to_segment(cosine, sine, x, y, half_x, half_y):
+    """Return the length at which a line through the origin meets a segment [m], inf if nowhere.
+
+    It is negative behind the origin.
+
+    Args:
+        cosine: of the direction of the line.
+        sine: likewise.
+        x: of the middle of the segment [m].
+        y: likewise [m].
+        half_x: from the middle to one end [m].
+        half_y: likewise [m].
+    """
+    turn = cosine * half_y - sine * half_x
+    aside = x * sine - y * cosine
+    length = (x * half_y - y * half_x) / (turn if turn != 0.0 else _TINY)
+    meets = (abs(aside) <= abs(turn)) & (turn != 0.0)
+    return length if meets else math.inf
+
+
+@kernel
+def to_rectangle(cosine, sine, x, y, along_cosine, along_sine, half, width):
+    """Return between which lengths a line through the origin is in a rectangle [m].
+
+    Where it never is, the first is the larger one.
+
+    Args:
+        cosine: of the direction of the line.
+        sine: likewise.
+        x: of the middle of the rectangle [m].
+        y: likewise [m].
+        along_cosine: of the direction of the rectangle.
+        along_sine: likewise.
+        half: half its length [m].
+        width: half its width [m].
+    """
+    forward, left = x * along_cosine + y * along_sine, y * along_cosine - x * along_sine
+    ahead = cosine * along_cosine + sine * along_sine
+    aside = sine * along_cosine - cosine * along_sine
+    per_ahead = 1.0 / (ahead if abs(ahead) > _TINY else _TINY)
+    per_aside = 1.0 / (aside if abs(aside) > _TINY else _TINY)
+    middle, reach = forward * per_ahead, half * abs(per_ahead)
+    across, breadth = left * per_aside, width * abs(per_aside)
+    return max(middle - reach, across - breadth), min(middle + reach, across + breadth)
+
+
+@kernel
+def ahead_of(first, last):
+    """Return the least length of at least 0 between two [m], inf where there is none."""
+    inside = max(first, 0.0)
+    return inside if inside <= last else math.inf
+
+
+@generic
+def ray_to_obstacles(place, world, agent, cosine, sine, lane):
+    """Return how far the nearest obstacle is in a direction of the truck's frame [m], or inf."""
+
+
+@ray_to_obstacles.register(Plane)
+def _endless(place, world, agent, cosine, sine, lane):
+    return math.inf
+
+
+@ray_to_obstacles.register(Obstacles)
+def _to_nearest_segment(place, world, agent, cosine, sine, lane):
+    nearest = math.inf
+    for number in range(place.count[lane]):
+        x, y, half_x, half_y = seen_segment(place, world, agent, number, lane)
+        length = to_segment(cosine, sine, x, y, half_x, half_y)
+        nearest = min(nearest, ahead_of(length, length))
+    return nearest
+
+
+@kernel
+def seen_segment(place, world, agent, number, lane):
+    """Return a segment as seen from the truck: its middle, and from there to one end [m]."""
+    state = world.state
+    x, y, cosine, sine, half, _ = segment_of(place, number, lane)
+    forward, left = into_truck_frame(
+        state, agent, lane, x - state.x[agent, lane], y - state.y[agent, lane]
+    )
+    half_forward, half_left = into_truck_frame(state, agent, lane, half * cosine, half * sine)
+    return forward, left, half_forward, half_left
+
+
+@kernel
+def seen_body(world, agent, other, unit, lane, front_x, front_y):
+    """Return the body of a unit of another HAV as seen from the truck, given its front end [m]."""
+    state = world.state
+    x, y, cosine, sine, half, width = body_of(
+        world.fleet.bodies, world, other, unit, lane, front_x, front_y
+    )
+    forward, left = into_truck_frame(
+        state, agent, lane, x - state.x[agent, lane], y - state.y[agent, lane]
+    )
+    ahead, aside = into_truck_frame(state, agent, lane, cosine, sine)
+    return forward, left, ahead, aside, half, width
+
+
+@kernel
+def ray_to_havs(world, agent, cosine, sine, most, lane):
+    """Return how far the nearest other HAV is in a direction of the truck's frame [m], or inf.
+
+    Who is farther away than ``most`` [m] is not looked for.
+    """
+    nearest = math.inf
+    for other in range(world.state.x.shape[0]):
+        if other != agent and may_be_within(world, agent, other, most, lane):
+            x, y = front_axle(world, other, lane)
+            for unit in range(world.fleet.num_trailers[other, lane] + 1):
+                body = seen_body(world, agent, other, unit, lane, x, y)
+                nearest = min(nearest, ahead_of(*to_rectangle(cosine, sine, *body)))
+                _, _, x, y = ends_behind(world, other, unit, lane, x, y)
+    return nearest
+
+
+@kernel
+def may_be_within(world, agent, other, most, lane):
+    """Tell whether any point of another HAV may be at most so far from the own rear axle [m]."""
+    dx = world.state.x[other, lane] - world.state.x[agent, lane]
+    dy = world.state.y[other, lane] - world.state.y[agent, lane]
+    within = most + reach_of(world.fleet.bodies, world.fleet, other, lane)
+    return dx * dx + dy * dy <= within * within

@@ -1,0 +1,1 @@
+"""This package tests places: sites, and the files that they come from."""

@@ -1,0 +1,1 @@
+"""This package tests obstacles of worlds: collisions with them, nearest points, rays."""

@@ -1,0 +1,146 @@
+"""HAVs collide with obstacles when Shapely says so, in the same step and at the same segment."""
+
+import math
+
+import numpy as np
+import pytest
+
+from hav_env import Batch, Field, OffAxle, OnAxle, Rectangles, Task, build_site, explicit, rollout
+from hav_env.vehicles import VEHICLES
+from hav_env.world.arrays import NEVER, OBSTACLE, WHEN, WHERE
+from hav_env.world.event_table import EVENTS
+from tests.support.budgets import budget
+from tests.support.obstacles import gaps_to_walls, touching_walls
+
+WALL = build_site(lines=[[[10.0, -5.0], [10.0, 5.0]]])
+
+
+def driven(batch, steps, rng):
+    """Drive HAVs about at random, and yield the worlds after each step."""
+    shape = batch.worlds.state.x.shape
+    speed = steering = np.zeros(shape)
+    for step in range(steps):
+        if step % 10 == 0:
+            speed, steering = rng.uniform(0, 6, shape), rng.uniform(-0.6, 0.6, shape)
+        batch.step(speed, steering)
+        yield batch.worlds
+
+
+@pytest.mark.parametrize("vehicle", [VEHICLES.make("realistic"), OffAxle(substeps=2)])
+def test_first_collisions_are_those_of_a_brute_force(vehicle):
+    batch = Batch(Field(num_havs=2), budget(24, 1), vehicle=vehicle)
+    batch.reset(7)
+    expected = np.full((2, batch.num_worlds), NEVER)
+    assert not touching_walls(batch.worlds).any()
+    for step, worlds in enumerate(driven(batch, budget(250, 60), np.random.default_rng(3)), 1):
+        touching = touching_walls(worlds)
+        new = touching.any(axis=1) & (expected == NEVER)
+        expected[new] = step
+        first = worlds.record.first[:, OBSTACLE]
+        assert np.array_equal(first[:, WHEN], expected), step
+        assert np.take_along_axis(touching, first[:, None, WHERE], axis=1)[:, 0][new].all()
+    assert budget(0.2, 0.0) <= (expected != NEVER).mean() < 1.0
+
+
+def test_gaps_found_are_never_above_distances_and_segments_are_seldom_due():
+    batch = Batch(Field(num_havs=1), budget(40, 2), vehicle=OffAxle(bodies=Rectangles()))
+    batch.reset(11)
+    before, changed, steps = batch.worlds.place.due.copy(), 0.0, budget(100, 20)
+    for worlds in driven(batch, steps, np.random.default_rng(5)):
+        place, safe = worlds.place, worlds.record.first[0, OBSTACLE, WHEN] == NEVER
+        left = place.due[:, 0].T - place.driven[0, 0]  # (S, W)
+        assert (left <= gaps_to_walls(worlds)[0] + 1e-9)[:, safe].all()
+        changed += (place.due != before).mean() / steps
+        before = place.due.copy()
+    assert 0.0 < changed < 0.1
+
+
+def one_truck(site=WALL, **task):
+    """Return a batch of one truck with a trailer of 5 m, 4 m before a wall."""
+    scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=site)
+    batch = Batch(scenario, 1, Task(**task))
+    batch.reset(0)
+    return batch
+
+
+def steps_until_hit(batch) -> int:
+    """Drive straight on at 1 m/s until the wall is hit; return in which step."""
+    for _ in range(60):
+        batch.step(np.ones((1, 1)), np.zeros((1, 1)))
+        if batch.worlds.record.first[0, OBSTACLE, WHEN, 0] != NEVER:
+            break
+    return int(batch.worlds.record.first[0, OBSTACLE, WHEN, 0])
+
+
+def test_a_truck_hits_a_wall_when_its_front_is_there():
+    assert steps_until_hit(one_truck()) == 30  # 6 m at 0.2 m a step; the front axle is 4 m ahead
+
+
+def test_what_happens_between_recorded_steps_is_found_in_the_next_one():
+    assert steps_until_hit(one_truck(record_every=7)) == 35
+
+
+def test_a_collision_ends_an_episode_only_if_the_task_says_so():
+    batch = one_truck(on_obstacle="end")
+    steps_until_hit(batch)
+    assert batch.ended.all()
+    batch = one_truck()
+    steps_until_hit(batch)
+    assert not batch.ended.any()
+
+
+def test_a_world_begins_anew_without_what_it_hit_before():
+    batch = one_truck()
+    assert steps_until_hit(batch) == 30
+    batch.reset(1)
+    assert batch.worlds.record.first[0, OBSTACLE, WHEN, 0] == NEVER
+    assert steps_until_hit(batch) == 30
+
+
+def test_waiting_and_turning_on_the_spot_of_no_speed_keep_the_gap():
+    batch = one_truck()
+    for _ in range(5):
+        batch.step(np.zeros((1, 1)), np.full((1, 1), 0.5))
+    assert batch.worlds.place.driven[0, 0, 0] == 0.0
+
+
+def test_tables_have_obstacles_only_where_there_are_some():
+    event = next(event for event in EVENTS if event.obstacles)
+    scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=WALL)
+    table = rollout("avoid_jack", scenario, 1, [0], Task(max_steps=60))
+    assert table[event.name].to_pylist() == [True]
+    assert table[f"{event.stem}_step"].to_pylist() == [30]
+    assert table[f"{event.stem}_segment"].to_pylist() == [0]
+    plane = rollout(
+        "avoid_jack",
+        scenario._replace(
+            site=scenario.site._replace(
+                segment=np.zeros((0, 4)), outline=np.zeros(0, int), kind=np.zeros(0, int)
+            )
+        ),
+        1,
+        [0],
+        Task(max_steps=60),
+    )
+    assert event.name not in plane.column_names
+
+
+def test_collisions_between_steps_are_refused_among_obstacles():
+    with pytest.raises(ValueError, match="continuous_collisions is True, but must be False where"):
+        one_truck(continuous_collisions=True)
+
+
+def test_a_thin_truck_passes_where_a_wide_one_does_not():
+    gate = build_site(lines=[[[10.0, 1.0], [10.0, 9.0]], [[10.0, -9.0], [10.0, -1.0]]])
+    scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=gate)
+    for width, hits in ((1.9, False), (2.1, True)):
+        bodies = Rectangles(width=width)
+        batch = Batch(scenario, 1, vehicle=OffAxle(bodies=bodies))
+        batch.reset(0)
+        for _ in range(120):
+            batch.step(np.ones((1, 1)), np.zeros((1, 1)))
+        assert (batch.worlds.record.first[0, OBSTACLE, WHEN, 0] != NEVER) == hits
+    assert math.isclose(batch.worlds.state.x[0, 0], 24.0)
+    batch = Batch(scenario, 1, vehicle=OnAxle())
+    batch.reset(0)
+    assert steps_until_hit(batch) == NEVER
