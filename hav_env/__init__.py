@@ -12,6 +12,7 @@ import pettingzoo
 
 from hav_env.envs.hav_swarm_v0 import env, parallel_env
 from hav_env.mdp.reward import Reward, reward_terms
+from hav_env.mdp.site_reward import SiteReward
 from hav_env.models.names import find_model
 from hav_env.observation import Observation
 from hav_env.places import Site, build_site
@@ -73,6 +74,7 @@ __all__ = [
     "Rectangles",
     "Reward",
     "Site",
+    "SiteReward",
     "Task",
     "Yard",
     "act",

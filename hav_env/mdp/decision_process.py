@@ -13,8 +13,9 @@ from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.beginning import allocate_stage, begin_episodes
 from hav_env.mdp.buffers import SCRATCH, Outcome, allocate_buffers, outcome_layout, outcome_size
 from hav_env.mdp.info import OBSTACLE_REPORT, REPORT
-from hav_env.mdp.reward import REWARDS, Reward, check_reward
+from hav_env.mdp.reward import Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward
+from hav_env.mdp.rewards import REWARDS
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped

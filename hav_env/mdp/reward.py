@@ -13,7 +13,6 @@ import numpy as np
 from hav_env.compiled import fixed, generic, kernel
 from hav_env.maths.geometry import clip
 from hav_env.models.checks import check_model
-from hav_env.models.names import Registry
 from hav_env.models.quantities import Weight
 from hav_env.observation.columns import place_names
 from hav_env.world.arrays import (
@@ -27,12 +26,13 @@ from hav_env.world.arrays import (
     World,
 )
 from hav_env.world.collision import collision_distance, front_gap
+from hav_env.world.event_table import obstacle_hit_at
 from hav_env.world.goals import goals_hit
 from hav_env.world.sensing import neighbor_id, num_neighbors
 
 # what was so before the action, of each HAV: whether it waited, goals hit, Dubins length to the
-# goal [m], ever jackknifed, ever in an actual collision
-WAITED, HITS, REMAINING, JACKKNIFED, COLLIDED, BEFORE_SIZE = range(6)
+# goal [m], ever jackknifed, ever in an actual collision, ever in one with an obstacle
+WAITED, HITS, REMAINING, JACKKNIFED, COLLIDED, AT_OBSTACLE, BEFORE_SIZE = range(7)
 
 
 class Reward(NamedTuple):
@@ -85,7 +85,7 @@ def reward_terms(
         duration: of the action [s].
         world: the block after the action.
         agent: which HAV.
-        before: (N, BEFORE_SIZE, W) columns WAITED .. COLLIDED, from before the action.
+        before: (N, BEFORE_SIZE, W) columns WAITED .. AT_OBSTACLE, from before the action.
         remaining: (N, W) Dubins length to the goal under way [m], after the action.
         terms: (T, N, W) terms to write, in the order of the fields. The caller ignores those of a
             HAV that waited before the action.
@@ -116,15 +116,6 @@ def check_reward(reward: Any) -> None:
     check_model("reward", reward, reward_terms)
 
 
-REWARDS = Registry(
-    "reward",
-    "hav_env.rewards",
-    reward_terms.table.__contains__,
-    "register it with reward_terms.register",
-    {"default": Reward},
-)
-
-
 @kernel
 def note_before(world, agent, remaining, before):
     """Write down what the terms of the next action compare with."""
@@ -139,6 +130,9 @@ def note_before(world, agent, remaining, before):
         before[agent, JACKKNIFED, lane] = 1.0 if jackknifed else 0.0
         collided = first[agent, ACTUAL, WHEN, lane] != NEVER
         before[agent, COLLIDED, lane] = 1.0 if collided else 0.0
+    for lane in range(world.lanes):
+        hit = obstacle_hit_at(world.place, world, agent, lane) != NEVER
+        before[agent, AT_OBSTACLE, lane] = 1.0 if hit else 0.0
 
 
 @reward_terms.register(Reward)

@@ -21,7 +21,7 @@ from hav_env.observation.scratch import (
     SEEN_Y,
 )
 from hav_env.world.chain import ends_behind, front_axle
-from hav_env.world.obstacles.nearest import nearest_on_segment_of
+from hav_env.world.obstacles.nearest import nearest_of_segment
 from hav_env.world.obstacles.rays import (
     ahead_of,
     may_be_within,
@@ -85,7 +85,7 @@ def _see_nearest(place, observation, world, agent, scratch, columns, first):
             columns[column + _AT.bearing_cosine, lane] = 0.0
             columns[column + _AT.bearing_sine, lane] = 0.0
     for segment in range(_most_segments(place, world)):
-        nearer = _look_at_segment(place, world, agent, fixed(segment), scratch.rows, columns[last])
+        nearer = _look_at_segment(world, agent, fixed(segment), scratch.rows, columns[last])
         if nearer > 0:
             for rank in range(observation.obstacles):
                 column = fixed(first + OBSTACLE_SIZE * rank)
@@ -110,11 +110,11 @@ def _most_segments(place, world):
 
 
 @kernel
-def _look_at_segment(place, world, agent, segment, rows, farthest):
+def _look_at_segment(world, agent, segment, rows, farthest):
     """Write where a segment is nearest; return in how many lanes it is nearer than the farthest."""
     nearer = 0
     for lane in range(world.lanes):
-        forward, left = nearest_on_segment_of(place, world, agent, segment, lane)
+        forward, left = nearest_of_segment(world, agent, segment, lane)
         rows[POINT_FORWARD, lane], rows[POINT_LEFT, lane] = forward, left
         rows[POINT_SQUARED, lane] = forward * forward + left * left
     for lane in range(world.lanes):
@@ -193,7 +193,7 @@ def _cast_at_segments(place, observation, world, agent, scratch, columns, first)
     for number in range(_most_segments(place, world)):
         segment, within = fixed(number), 0
         for lane in range(world.lanes):
-            forward, left = nearest_on_segment_of(place, world, agent, segment, lane)
+            forward, left = nearest_of_segment(world, agent, segment, lane)
             within += forward * forward + left * left <= squared_range
         if within == 0:
             continue

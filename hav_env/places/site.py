@@ -41,7 +41,8 @@ class Site(NamedTuple):
     def bounds(self) -> tuple[float, float, float, float]:
         """Least x, least y, greatest x, greatest y [m] of all segments."""
         points = self.segment.reshape(-1, 2)
-        return (*map(float, points.min(axis=0)), *map(float, points.max(axis=0)))
+        (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
+        return float(left), float(low), float(right), float(high)
 
 
 NOWHERE = Site(np.zeros((0, 4)), np.zeros(0, np.int64), np.zeros(0, np.int64))
@@ -106,7 +107,9 @@ def join_outlines(outlines: Sequence[tuple[int, np.ndarray]]) -> Site:
     Raises:
         ValueError: when there are too many segments.
     """
-    segments, owner, kinds = [], [], []
+    segments: list[np.ndarray] = []
+    owner: list[np.ndarray] = []
+    kinds: list[int] = []
     for kind, points in outlines:
         ends = np.concatenate([points, points[:1]]) if kind != LINE else points
         own = np.concatenate([ends[:-1], ends[1:]], axis=1)

@@ -19,7 +19,7 @@ from hav_env.world.arrays import (
     is_removed,
 )
 from hav_env.world.chain import axles_of, corners_of, fronts_of
-from hav_env.world.event_table import EVENTS, HARM, Event, happened
+from hav_env.world.event_table import HARM, Event, events_in, happened
 from hav_env.world.units.reading import limits_in, offsets_in, shapes_in
 
 
@@ -44,7 +44,7 @@ class Scene(NamedTuple):
     num_goals: int
     waiting: np.ndarray  # (N,) bool: at its goal
     removed: np.ndarray  # (N,) bool: has left the world and is not drawn
-    happened: np.ndarray  # (N, E) bool: each of ``EVENTS``, ever
+    happened: np.ndarray  # (N, E) bool: each of ``EVENTS`` that can happen, ever
     potential: np.ndarray  # (N,) bool: in potential collision now, footprints overlap
     evaded: np.ndarray  # (N,) number of the HAV that it evades now, -1 for none or unknown
     command: np.ndarray | None = None  # (N, 2) commanded speed [m/s], steering [rad], if known
@@ -71,6 +71,7 @@ def scene_of(
     x, y = state.x[:, w].copy(), state.y[:, w].copy()
     waiting, removed = state.waiting[:, w].copy(), is_removed(worlds, slice(None), w)
     footprint = fleet.radius[:, FOOTPRINT, w].copy()
+    first = record.first[..., w]
     known = np.full(len(x), -1) if evaded is None else np.asarray(evaded).astype(np.int64)
     return Scene(
         time=float(state.clock[STEP, w] * dt),
@@ -91,7 +92,7 @@ def scene_of(
         num_goals=worlds.goals.shape[1],
         waiting=waiting,
         removed=removed,
-        happened=np.stack([happened(record.first[..., w], event) for event in EVENTS], axis=1),
+        happened=np.stack([happened(first, event) for event in events_in(first)], axis=1),
         potential=find_potential(x, y, footprint, ~removed),
         evaded=np.where(waiting | removed, -1, known),
         command=command,
@@ -142,7 +143,12 @@ def _units_of(scene: Scene, hav: int) -> tuple:
 
 def has_had(scene: Scene, hav: int, event: Event) -> bool:
     """Tell whether an event has happened to a HAV."""
-    return bool(scene.happened[hav, event.row])
+    return event.row < scene.happened.shape[1] and bool(scene.happened[hav, event.row])
+
+
+def known_harms(scene: Scene) -> list[Event]:
+    """Return the events that mean failure and can happen in the world."""
+    return [event for event in HARM if event.row < scene.happened.shape[1]]
 
 
 def harms_of(scene: Scene, hav: int) -> list[Event]:
@@ -197,7 +203,7 @@ def count_flags(scene: Scene) -> dict[str, int]:
         "at goal": scene.waiting,
         "evading": scene.evaded >= 0,
         "in potential collision": scene.potential,
-        **{event.state: scene.happened[:, event.row] for event in HARM},
+        **{event.state: scene.happened[:, event.row] for event in known_harms(scene)},
         "removed": scene.removed,
     }
     return {name: int(np.count_nonzero(flag)) for name, flag in flags.items()}

@@ -183,4 +183,6 @@ def _put_no_dues(place, w, places, to):
 
 @_put_dues.register(Obstacles)
 def _put_dues_of_world(place, w, places, to):
-    places.due[to] = place.due[w]
+    due, to_due = place.due[w], places.due[to]
+    for index in np.ndindex(due.shape):
+        to_due[index] = due[index]

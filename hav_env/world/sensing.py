@@ -33,7 +33,7 @@ from hav_env.world.arrays import (
 )
 from hav_env.world.bodies import front_end, nearest_on_bodies
 from hav_env.world.collision import front_gap, offset_between
-from hav_env.world.obstacles.nearest import nearest_on_segment_of
+from hav_env.world.obstacles.nearest import nearest_of_segment
 from hav_env.world.obstacles.rays import ray_to_havs, ray_to_obstacles
 from hav_env.world.other_havs import direction_of, place_of
 from hav_env.world.place.segments import num_segments
@@ -282,7 +282,7 @@ def num_obstacles(world: World, agent: int, lane: int) -> int:
 @kernel
 def obstacle_point(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return the point of segment ``k`` that is nearest to the truck: forward [m], left [m]."""
-    return nearest_on_segment_of(world.place, world, agent, k, lane)
+    return nearest_of_segment(world, agent, k, lane)
 
 
 @kernel

@@ -2,26 +2,33 @@
 
 import math
 
-from hav_env.compiled import generic
+from hav_env.compiled import generic, kernel
 from hav_env.maths.geometry import clip
 from hav_env.world.arrays import into_truck_frame
 from hav_env.world.place.segments import Obstacles, Plane, segment_of
 
 
 @generic
-def nearest_on_segment_of(place, world, agent, number, lane):
-    """Return the point of a segment nearest to the own rear axle: forward [m], left [m]."""
+def nearest_to(place, number, x, y, lane):
+    """Return where a segment is nearest to a place [m], as the difference from there in x and y."""
 
 
-@nearest_on_segment_of.register(Plane)
-def _nowhere(place, world, agent, number, lane):
+@nearest_to.register(Plane)
+def _nowhere(place, number, x, y, lane):
     return math.inf, math.inf
 
 
-@nearest_on_segment_of.register(Obstacles)
-def _nearest_point(place, world, agent, number, lane):
-    state = world.state
+@nearest_to.register(Obstacles)
+def _nearest_point(place, number, x, y, lane):
     middle_x, middle_y, cosine, sine, half, _ = segment_of(place, number, lane)
-    dx, dy = middle_x - state.x[agent, lane], middle_y - state.y[agent, lane]
+    dx, dy = middle_x - x, middle_y - y
     along = clip(-(dx * cosine + dy * sine), -half, half)
-    return into_truck_frame(state, agent, lane, dx + along * cosine, dy + along * sine)
+    return dx + along * cosine, dy + along * sine
+
+
+@kernel
+def nearest_of_segment(world, agent, number, lane):
+    """Return the point of a segment nearest to the own rear axle: forward [m], left [m]."""
+    state = world.state
+    x, y = state.x[agent, lane], state.y[agent, lane]
+    return into_truck_frame(state, agent, lane, *nearest_to(world.place, number, x, y, lane))

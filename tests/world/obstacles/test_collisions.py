@@ -28,11 +28,11 @@ def driven(batch, steps, rng):
 
 @pytest.mark.parametrize("vehicle", [VEHICLES.make("realistic"), OffAxle(substeps=2)])
 def test_first_collisions_are_those_of_a_brute_force(vehicle):
-    batch = Batch(Field(num_havs=2), budget(24, 1), vehicle=vehicle)
+    batch = Batch(Field(num_havs=2), budget(16, 1), vehicle=vehicle)
     batch.reset(7)
     expected = np.full((2, batch.num_worlds), NEVER)
     assert not touching_walls(batch.worlds).any()
-    for step, worlds in enumerate(driven(batch, budget(250, 60), np.random.default_rng(3)), 1):
+    for step, worlds in enumerate(driven(batch, budget(120, 60), np.random.default_rng(3)), 1):
         touching = touching_walls(worlds)
         new = touching.any(axis=1) & (expected == NEVER)
         expected[new] = step
