@@ -14,6 +14,7 @@ from hav_env.envs.hav_swarm_v0 import env, parallel_env
 from hav_env.mdp.reward import Reward, reward_terms
 from hav_env.models.names import find_model
 from hav_env.observation import Observation
+from hav_env.places import load_site
 from hav_env.policies import (
     PolicyDriver,
     act,
@@ -85,6 +86,7 @@ __all__ = [
     "find_scenario",
     "heard",
     "load_explicit",
+    "load_site",
     "make_policy",
     "memory_size",
     "move",

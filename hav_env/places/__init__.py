@@ -1,5 +1,6 @@
 """This package has places: obstacles and bounds of sites, built by hand or read from maps."""
 
+from hav_env.places.loading import load_site
 from hav_env.places.site import (
     BOUNDARY,
     LINE,
@@ -19,5 +20,6 @@ __all__ = [
     "Site",
     "build_site",
     "is_inside",
+    "load_site",
     "outlines_of",
 ]
