@@ -10,6 +10,8 @@ from hav_env.compiled import canonical
 from hav_env.models.annotations import Range, kinds_of, show
 from hav_env.models.checks import check_fields, check_relations, check_value
 from hav_env.models.quantities import Articulation, Goals, Havs, Share, Speed, Steering, Trailers
+from hav_env.places.site import NOWHERE, Site
+from hav_env.scenarios.clearance import check_clear
 from hav_env.scenarios.given_vehicles import (
     HavLimits,
     check_vehicles,
@@ -50,6 +52,7 @@ class Explicit(NamedTuple):
     steering_max: Steering
     articulation_max: Articulation
     footprint_truck_share: Share = 0.0
+    site: Site = NOWHERE
 
     @property
     def fleet(self) -> "Explicit":
@@ -77,6 +80,7 @@ def explicit(
     articulation_max: float = math.pi / 2,
     footprint_truck_share: float = 0.0,
     bends: Sequence[Sequence[float]] | None = None,
+    site: Site = NOWHERE,
 ) -> Explicit:
     """Write a scenario down; docs/ranges.md says what numbers may be.
 
@@ -90,6 +94,8 @@ def explicit(
         articulation_max: articulation beyond which they are jackknifed [rad].
         footprint_truck_share: share of the truck's length in the footprint radius d_i.
         bends: for each HAV the articulations of its trailers at the start [rad]; 0 by default.
+        site: walls and bounds that no HAV may touch, such as ``load_site`` returns. Starts and
+            goals must be clear of them.
 
     Raises:
         TypeError: naming what is no list or no number.
@@ -133,6 +139,7 @@ def explicit(
         steering_max=float(max(own.steering for own in units)),
         articulation_max=min(float(own.limit[1:].min()) for own in units),
         footprint_truck_share=footprint_truck_share,
+        site=site,
     )
     check_fields("scenario", scenario)
     return canonical(scenario)
@@ -167,6 +174,7 @@ def _(scenario: Explicit) -> None:
     along = np.where(trailers, abs(scenario.length[:, 1:] + scenario.offset[:, 1:]), 0.0)
     radius = along.sum(axis=1) + abs(scenario.offset[:, 0])
     check_apart(places, radius + scenario.footprint_truck_share * scenario.length[:, 0])
+    check_clear(scenario)
 
 
 def populate_explicit(scenario, world, lane):
