@@ -8,8 +8,8 @@ from hav_env.places.site import (
     POLYGON,
     Site,
     build_site,
+    chains_of,
     is_inside,
-    outlines_of,
 )
 
 __all__ = [
@@ -19,7 +19,7 @@ __all__ = [
     "POLYGON",
     "Site",
     "build_site",
+    "chains_of",
     "is_inside",
     "load_site",
-    "outlines_of",
 ]

@@ -8,17 +8,17 @@ from hav_env.models.annotations import show
 from hav_env.models.checks import check_fields, check_value
 from hav_env.models.json_files import read_json
 from hav_env.models.quantities import Distance
-from hav_env.places.commonroad import read_commonroad
-from hav_env.places.geojson import GEOJSON_TYPES, read_geojson
-from hav_env.places.occupancy_maps import read_occupancy_map
+from hav_env.places.formats.commonroad import read_commonroad
+from hav_env.places.formats.geojson import GEOJSON_TYPES, read_geojson
+from hav_env.places.formats.occupancy_maps import read_occupancy_map
+from hav_env.places.formats.well_known_text import read_wkt
 from hav_env.places.simplification import simplify_outlines
 from hav_env.places.site import Outline, Site, join_outlines
 from hav_env.places.site_files import read_outlines
-from hav_env.places.well_known_text import read_wkt
 
 Unknown = Literal["free", "occupied"]
 _MOST_BYTES = 2**25
-_ENDINGS = (".json", ".geojson", ".wkt", ".yaml", ".yml", ".xml")
+_KNOWN_ENDINGS = (".json", ".geojson", ".wkt", ".yaml", ".yml", ".xml")
 
 
 def load_site(
@@ -43,8 +43,8 @@ def load_site(
     check_value("unknown", Unknown, unknown)
     file = pathlib.Path(path)
     ending = file.suffix.lower()
-    if ending not in _ENDINGS:
-        told = f"{file} ends in {show(ending)}, but must end in one of: {', '.join(_ENDINGS)}"
+    if ending not in _KNOWN_ENDINGS:
+        told = f"{file} ends in {show(ending)}, but must end in one of: {', '.join(_KNOWN_ENDINGS)}"
         raise ValueError(told)
     if ending in (".json", ".geojson"):
         return read_json(

@@ -132,7 +132,7 @@ def join_outlines(outlines: Iterable[Outline]) -> Site:
     return site
 
 
-def outlines_of(site: Site) -> list[tuple[int, np.ndarray]]:
+def chains_of(site: Site) -> list[tuple[int, np.ndarray]]:
     """Return the chains of a site: the kind and the points (P, 2) [m] of each.
 
     The last point of a ring is its first one again. A polygon with holes gives a chain for each of

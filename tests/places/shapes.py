@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 from hypothesis import strategies as st
 
-from hav_env.places import BOUNDARY, LINE, POLYGON, outlines_of
+from hav_env.places import BOUNDARY, LINE, POLYGON, chains_of
 
 COORDINATES = st.floats(-100.0, 100.0).map(lambda x: round(x, 3))
 POINTS = st.tuples(COORDINATES, COORDINATES)
@@ -29,7 +29,7 @@ CHAINS = st.lists(POINTS, min_size=2, max_size=6, unique=True)
 def lines_of(site, *kinds):
     """Return the chains of a site, or those of some kinds, as one Shapely geometry."""
     wanted = kinds or (BOUNDARY, POLYGON, LINE)
-    return shapely.MultiLineString([p for kind, p in outlines_of(site) if kind in wanted])
+    return shapely.MultiLineString([p for kind, p in chains_of(site) if kind in wanted])
 
 
 def rounded(polygon):

@@ -12,7 +12,7 @@ from shapely import affinity
 from hav_env import load_site
 from hav_env.places import LINE, POLYGON
 from hav_env.places.areas import covered_area
-from hav_env.places.commonroad import read_commonroad
+from hav_env.places.formats.commonroad import read_commonroad
 from hav_env.places.site import join_outlines
 from tests.places.shapes import POINTS, lines_of, stars
 from tests.support.budgets import budget

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hav_env import load_site
 from hav_env.places import BOUNDARY, LINE, POLYGON
 from hav_env.places.areas import covered_area, free_area
-from hav_env.places.geojson import read_geojson
+from hav_env.places.formats.geojson import read_geojson
 from hav_env.places.simplification import simplify_outlines
 from hav_env.places.site import join_outlines
 from tests.places.shapes import CHAINS, lines_of, stars

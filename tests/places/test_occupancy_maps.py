@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from hav_env import load_site
-from hav_env.places import POLYGON, is_inside, map_images
+from hav_env.places import POLYGON, is_inside
 from hav_env.places.areas import covered_area
-from hav_env.places.cell_outlines import trace_cells
 from hav_env.places.contact import place_is_inside
+from hav_env.places.formats import map_images
+from hav_env.places.formats.cell_outlines import trace_cells
 from hav_env.places.simplification import simplify_chains
 from hav_env.places.site import join_outlines
 from tests.places.maps import BLACK, GREY, PLAIN, WHITE, png_header, write_map
@@ -277,7 +278,7 @@ def test_links_out_of_the_folder_are_not_followed(tmp_path):
 
 def test_a_large_file_and_a_ragged_map_are_refused(tmp_path, monkeypatch):
     path = write_map(tmp_path, np.indices((64, 64)).sum(axis=0) % 2 * 255)
-    monkeypatch.setattr("hav_env.places.cell_outlines._MOST_RUNS", 1_000)
+    monkeypatch.setattr("hav_env.places.formats.cell_outlines._MOST_RUNS", 1_000)
     with pytest.raises(ValueError, match="have 8192 straight pieces, but must have at most 1000"):
         load_site(path)
     monkeypatch.setattr(map_images, "_MOST_BYTES", 1_000)

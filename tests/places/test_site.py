@@ -16,8 +16,8 @@ from hav_env.places import (
     POLYGON,
     Site,
     build_site,
+    chains_of,
     is_inside,
-    outlines_of,
 )
 from hav_env.places.areas import covered_area, free_area
 from hav_env.places.contact import place_is_inside, touched_segment
@@ -53,7 +53,7 @@ def test_holes_and_rings_in_holes_are_inside_in_turn():
     assert inside == {r: is_inside(site, r, 0.1) for r in inside}
     assert covered_area(site).area == pytest.approx(18**2 - 12**2 + 6**2)
     assert free_area(site) is None
-    assert [len(points) for _, points in outlines_of(site)] == [5, 5, 5, 5]
+    assert [len(points) for _, points in chains_of(site)] == [5, 5, 5, 5]
 
 
 def test_the_area_of_a_ring_that_crosses_itself_is_what_it_surrounds_once():
@@ -108,7 +108,7 @@ def test_points_and_lines_as_bodies_touch_what_they_lie_on():
 @given(stars(), CHAINS)
 def test_outlines_come_back(ring, chain):
     site = build_site(ring, [ring], [chain])
-    (kind, first), (_, second), (last, points) = outlines_of(site)
+    (kind, first), (_, second), (last, points) = chains_of(site)
     assert (kind, last) == (BOUNDARY, LINE)
     np.testing.assert_array_equal(first, second)
     np.testing.assert_array_equal(first, [*ring, ring[0]])
@@ -127,7 +127,7 @@ def test_circles_are_held_by_their_polygons():
 def test_nothing_gives_nowhere():
     assert build_site() is NOWHERE
     assert NOWHERE.bounds == (math.inf, math.inf, -math.inf, -math.inf)
-    assert outlines_of(NOWHERE) == []
+    assert chains_of(NOWHERE) == []
     assert is_inside(NOWHERE, 0.0, 0.0)
     assert place_is_inside(NOWHERE, 0.0, 0.0)
     check_fields("site", NOWHERE)

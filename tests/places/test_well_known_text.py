@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from hav_env import load_site
 from hav_env.places import LINE, POLYGON
 from hav_env.places.areas import covered_area
+from hav_env.places.formats.well_known_text import read_wkt
 from hav_env.places.simplification import simplify_outlines
 from hav_env.places.site import join_outlines
-from hav_env.places.well_known_text import read_wkt
 from tests.places.shapes import CHAINS, lines_of, stars
 from tests.support.budgets import budget
 

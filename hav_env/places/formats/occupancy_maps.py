@@ -10,9 +10,9 @@ import numpy as np
 from hav_env.models.annotations import Range, kinds_of, show
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Coordinate, Heading, Share
-from hav_env.places.cell_outlines import trace_cells
+from hav_env.places.formats.cell_outlines import trace_cells
+from hav_env.places.formats.map_images import read_shades
 from hav_env.places.libraries import import_maps
-from hav_env.places.map_images import read_shades
 from hav_env.places.simplification import simplify_chains
 from hav_env.places.site import POLYGON, Outline
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from hav_env.models.annotations import show
+from hav_env.places.formats.road_edges import Lane, edges_of_roads
 from hav_env.places.libraries import import_maps
 from hav_env.places.outlines import read_chain, read_circle, read_ring
-from hav_env.places.road_edges import Lane, edges_of_roads
 from hav_env.places.site import LINE, POLYGON, Outline
 
 _OBSTACLES = ("staticObstacle", "environmentObstacle", "obstacle")
