@@ -169,11 +169,15 @@ def named(data, name):
         "EPSG:4326",
         "epsg:4258",
         "WGS 84",
+        "EPSG:4283",
+        "OGC:CRS84 (WGS 84)",
     ],
 )
 def test_longitudes_and_latitudes_that_are_named_are_refused(name):
     with pytest.raises(ValueError, match=r"longitudes and latitudes: project it to metres first"):
         read_geojson(named(WHOLE, name))
+    with pytest.raises(ValueError, match=r"longitudes and latitudes: project it to metres first"):
+        read_geojson(WHOLE | {"crs": name})
 
 
 @pytest.mark.parametrize("name", ["EPSG:32632", "urn:ogc:def:crs:EPSG::25832", "the yard's own"])
@@ -189,5 +193,5 @@ def test_coordinates_within_a_metre_of_each_other_are_taken_for_degrees():
 
 @pytest.mark.parametrize("crs", [5, {}, {"properties": {}}, {"properties": {"name": 4326}}])
 def test_a_system_without_a_name_is_refused(crs):
-    with pytest.raises(ValueError, match=r"crs is .*, but must have properties with a name"):
+    with pytest.raises(ValueError, match=r"crs is .*, but must be a name, or have properties"):
         read_geojson(WHOLE | {"crs": crs})

@@ -16,7 +16,8 @@ GEOJSON_TYPES = (
 )
 _DEEPEST = 10  # collections in collections
 _LEAST_EXTENT = 1.0  # of a site in metres; of a site in degrees that is 111 km
-_GEOGRAPHIC = r"(?i)CRS:?84$|EPSG\W+([\d.]+\W+)?(4326|4258|4269|4979)$|^WGS[ _]?(19)?84$"
+_CODES = "4326|4979|4258|4267|4269|4283|4490|4617|4674|7844"  # of EPSG, those that are frequent
+_GEOGRAPHIC = rf"(?i)CRS:?84\b|EPSG\W+([\d.]+\W+)?({_CODES})$|^WGS[ _]?(19)?84$"
 _PROJECT = "project it to metres first, for example by ogr2ogr -t_srs EPSG:32632 (UTM zone 32)"
 
 
@@ -47,9 +48,9 @@ def _check_crs(data: Any) -> bool:
     if crs is None:
         return False
     properties = crs.get("properties") if isinstance(crs, dict) else None
-    name = properties.get("name") if isinstance(properties, dict) else None
+    name = properties.get("name") if isinstance(properties, dict) else crs
     if not isinstance(name, str):
-        raise ValueError(f"crs is {show(crs)}, but must have properties with a name")
+        raise ValueError(f"crs is {show(crs)}, but must be a name, or have properties with one")
     if re.search(_GEOGRAPHIC, name):
         raise ValueError(f"crs is {show(name)}, longitudes and latitudes: {_PROJECT}")
     return True
