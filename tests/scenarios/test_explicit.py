@@ -102,7 +102,8 @@ def test_arrays_will_do_for_lists():
     from_arrays = explicit(
         np.array([HAV["lengths"]]), np.array([HAV["start"]]), np.array([HAV["goals"]])
     )
-    for one, other in zip(from_arrays, written(HAV), strict=True):
+    assert from_arrays.site.num_segments == written(HAV).site.num_segments == 0
+    for one, other in zip(from_arrays[:-1], written(HAV)[:-1], strict=True):
         assert np.array_equal(one, other)
 
 
