@@ -11,7 +11,7 @@ from hav_env.models.quantities import Attempts, Gap, Goals, Havs, Segments, Wide
 from hav_env.scenarios.catalogue_fleet import catalogue_fleet
 from hav_env.scenarios.fleets import Fleets, draw_fleet, scenario_key
 from hav_env.scenarios.random_poses import place_all
-from hav_env.scenarios.witness import drive_in_thought
+from hav_env.scenarios.sites.witness import drive_in_thought
 from hav_env.world.arrays import HEADING, X, Y, put_straight
 from hav_env.world.obstacles.collisions import find_margin
 from hav_env.world.place.segments import DRIVEN, Obstacles, Plane, place_segment
