@@ -58,6 +58,7 @@ GOOD = "LINESTRING (0 0, 1 1)"
         ("LINESTRING (0 0, 0 0)", "line 1 is .*, but must have at least 2 different points"),
         ("LINESTRING (0 0, 0 2e8)", r"line 1\[1\] holds 200000000.0, but must hold numbers"),
         ("LINESTRING (0 0, 0 nan)", r"line 1\[1\] holds nan, but must hold numbers"),
+        ("LINESTRING (0 0, 0 1e400)", r"line 1\[1\] holds inf, but must hold numbers"),
         ("POINT (0 0)", "line 1 is a POINT, but must be one of: POLYGON, LINESTRING"),
         ("CIRCULARSTRING (0 0, 1 1, 2 0)", "line 1 is .*, but must be a geometry in WKT"),
         (

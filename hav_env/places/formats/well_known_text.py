@@ -39,7 +39,7 @@ def read_wkt(text: str) -> list[Outline]:
         if rest:
             raise ValueError(f"line {number} goes on by {show(rest)}, but must be one geometry")
         try:
-            with np.errstate(invalid="ignore"):  # of nan, which is refused below
+            with np.errstate(all="ignore"):  # nan and inf, which are refused below
                 geometry = shapely.from_wkt(words)
         except (shapely.errors.ShapelyError, NotImplementedError, ValueError) as error:
             told = f"line {number} is {show(words)}, but must be a geometry in WKT"
