@@ -21,7 +21,7 @@ from hav_env.observation.scratch import (
     SEEN_Y,
 )
 from hav_env.world.chain import ends_behind, front_axle
-from hav_env.world.obstacles.nearest import nearest_of_segment
+from hav_env.world.obstacles.nearest import obstacle_point
 from hav_env.world.obstacles.rays import (
     ahead_of,
     may_be_within,
@@ -114,7 +114,7 @@ def _look_at_segment(world, agent, segment, rows, farthest):
     """Write where a segment is nearest; return in how many lanes it is nearer than the farthest."""
     nearer = 0
     for lane in range(world.lanes):
-        forward, left = nearest_of_segment(world, agent, segment, lane)
+        forward, left = obstacle_point(world, agent, segment, lane)
         rows[POINT_FORWARD, lane], rows[POINT_LEFT, lane] = forward, left
         rows[POINT_SQUARED, lane] = forward * forward + left * left
     for lane in range(world.lanes):
@@ -193,7 +193,7 @@ def _cast_at_segments(place, observation, world, agent, scratch, columns, first)
     for number in range(_most_segments(place, world)):
         segment, within = fixed(number), 0
         for lane in range(world.lanes):
-            forward, left = nearest_of_segment(world, agent, segment, lane)
+            forward, left = obstacle_point(world, agent, segment, lane)
             within += forward * forward + left * left <= squared_range
         if within == 0:
             continue

@@ -1,14 +1,34 @@
-"""This module checks that HAVs which are written down start and end inside their site."""
+"""This module reads the site of a world, and checks that written HAVs start and end inside it."""
 
 from typing import Any
 
 import numpy as np
 
 from hav_env.places.contact import place_is_inside, touched_segment
-from hav_env.places.site import BOUNDARY, LINE, POLYGON, Site
+from hav_env.places.site import BOUNDARY, LINE, NOWHERE, POLYGON, Site, join_outlines
 from hav_env.world.chain import corners_of
+from hav_env.world.place.segments import Plane
 
 _NAMES = {BOUNDARY: "the boundary", POLYGON: "a polygon", LINE: "a line"}
+
+
+def site_in(scenario: Any, place: Any, w: int) -> Site:
+    """Return the site of a world: its scenario's, or the segments that were drawn, as lines.
+
+    Args:
+        scenario: of the batch.
+        place: of the batch.
+        w: which world.
+    """
+    if hasattr(scenario, "site"):
+        return scenario.site
+    if isinstance(place, Plane):
+        return NOWHERE
+    x, y, cosine, sine, half = place.segment[: place.count[w], :, w].T
+    along = np.stack([half * cosine, half * sine], axis=-1)
+    middle = np.stack([x, y], axis=-1)
+    ends = np.stack([middle - along, middle + along], axis=1)  # (S, 2, 2)
+    return join_outlines([(LINE, [points]) for points in ends])
 
 
 def check_clear(scenario: Any) -> None:

@@ -52,12 +52,13 @@ GOOD = "LINESTRING (0 0, 1 1)"
     [
         (f"{GOOD}\nPOLYGON ((0 0, 1 1", "line 2 is 'POLYGON .*, but must be a geometry in WKT"),
         (f"{GOOD}\n\nhello", "line 3 is 'hello', but must be a geometry in WKT"),
-        (f"{GOOD} {GOOD}", "line 1 is .*, but must be a geometry in WKT"),
+        (f"{GOOD} {GOOD}", "line 1 goes on by 'LINESTRING .*, but must be one geometry"),
         ("POLYGON ((0 0, 1 1, 2 2))", "line 1 is .*, but must be a geometry in WKT"),
         ("POLYGON ((0 0, 1 1, 0 0, 0 0))", "line 1 is .*, but must have at least 3 different"),
         ("LINESTRING (0 0, 0 0)", "line 1 is .*, but must have at least 2 different points"),
         ("LINESTRING (0 0, 0 2e8)", r"line 1\[1\] holds 200000000.0, but must hold numbers"),
         ("LINESTRING (0 0, 0 nan)", r"line 1\[1\] holds nan, but must hold numbers"),
+        ("LINESTRING (0 0, 0 1e400)", r"line 1\[1\] holds inf, but must hold numbers"),
         ("POINT (0 0)", "line 1 is a POINT, but must be one of: POLYGON, LINESTRING"),
         ("CIRCULARSTRING (0 0, 1 1, 2 0)", "line 1 is .*, but must be a geometry in WKT"),
         (

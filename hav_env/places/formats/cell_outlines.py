@@ -4,7 +4,7 @@ import numpy as np
 
 from hav_env.places.libraries import import_maps
 
-_MOST_RUNS = 1_000_000  # straight pieces of outlines, of which each takes a microsecond or two
+_MOST_RUNS = 400_000  # straight pieces of outlines; Shapely takes seconds for 100,000
 
 
 def trace_cells(occupied: np.ndarray) -> list[np.ndarray]:

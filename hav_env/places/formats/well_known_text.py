@@ -32,11 +32,14 @@ def read_wkt(text: str) -> list[Outline]:
             continue
         if words.upper().startswith("SRID="):  # as PostGIS writes it
             words = words.partition(";")[2]
-        if _depth(words) > _MOST_NESTED:
+        deepest, rest = _scan(words)
+        if deepest > _MOST_NESTED:
             told = f"line {number} has more than {_MOST_NESTED} nested brackets"
             raise ValueError(f"{told}, but must have fewer")
+        if rest:
+            raise ValueError(f"line {number} goes on by {show(rest)}, but must be one geometry")
         try:
-            with np.errstate(invalid="ignore"):  # of nan, which is refused below
+            with np.errstate(all="ignore"):  # nan and inf, which are refused below
                 geometry = shapely.from_wkt(words)
         except (shapely.errors.ShapelyError, NotImplementedError, ValueError) as error:
             told = f"line {number} is {show(words)}, but must be a geometry in WKT"
@@ -45,12 +48,15 @@ def read_wkt(text: str) -> list[Outline]:
     return found
 
 
-def _depth(words: str) -> int:
+def _scan(words: str) -> tuple[int, str]:
+    """Return how deep brackets are, and what follows the first geometry: older GEOS drops it."""
     deepest = depth = 0
-    for letter in words:
+    for place, letter in enumerate(words):
         depth += (letter == "(") - (letter == ")")
         deepest = max(deepest, depth)
-    return deepest
+        if letter == ")" and depth == 0:
+            return deepest, words[place + 1 :].strip()
+    return deepest, ""
 
 
 def _read_shape(name: str, geometry: Any) -> Iterator[Outline]:
