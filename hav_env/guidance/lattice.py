@@ -19,8 +19,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from hav_env.guidance.search import (
-    DIRECT,
-    SIDES,
+    DRIVE_SIDES,
+    IN_SIGHT,
     UNREACHED,
     Drives,
     Nodes,
@@ -180,13 +180,13 @@ def search(
     nodes = _allocate_nodes(rows * columns * lattice.headings)
     if lattice.direct > 0.0:
         find_direct(rows, site, drives, nodes, goal)
-    seeds = np.flatnonzero(nodes.side == DIRECT)
+    seeds = np.flatnonzero(nodes.side == IN_SIGHT)
     seeds = seeds[np.argsort(nodes.length[seeds], kind="stable")]
     if seeds.size == 0 and _is_free(segments, goal, lattice.clearance):
         column = min(int((goal[0] - grid.x) / grid.cell), columns - 1)
         row = min(int((goal[1] - grid.y) / grid.cell), rows - 1)
         seeds = np.array([(row * columns + column) * lattice.headings])
-        nodes.length[seeds], nodes.side[seeds] = 0.0, DIRECT
+        nodes.length[seeds], nodes.side[seeds] = 0.0, IN_SIGHT
         nodes.x[seeds], nodes.y[seeds] = goal[0], goal[1]
     spread_backwards(1, site, drives, nodes, seeds)
     return site, drives, nodes, goal
@@ -219,7 +219,7 @@ def drives_of(lattice: Lattice, heading: float, radius: float) -> Drives:
     turn = TWO_PI / lattice.headings
     angles = heading + turn * np.arange(lattice.headings)
     step = radius * turn
-    backwards = np.zeros((len(SIDES), 2, lattice.headings))
+    backwards = np.zeros((len(DRIVE_SIDES), 2, lattice.headings))
     backwards[0] = -step * np.cos(angles), -step * np.sin(angles)
     for side in (-1, 1):
         before = angles - side * turn

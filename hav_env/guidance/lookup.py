@@ -8,7 +8,7 @@ do not count. Where none is, the length is infinite, and the turn straight ahead
 import math
 
 from hav_env.compiled import kernel
-from hav_env.guidance.search import DIRECT, UNREACHED
+from hav_env.guidance.search import IN_SIGHT, UNREACHED
 from hav_env.maths.dubins import shortest_path, turns
 from hav_env.maths.elementary import floor, sincos
 from hav_env.maths.geometry import TWO_PI, into_frame
@@ -45,7 +45,7 @@ def _look_round(table, x, y, heading):
         weight = weight if counts else 0.0
         total += weight
         mean += weight * (found if counts else 0.0)
-        direct = direct & ((its_side == DIRECT) | (not counts))
+        direct = direct & ((its_side == IN_SIGHT) | (not counts))
         nearer = weight > most
         side = its_side if nearer else side
         steps = table.steps[row, column, turn] if nearer else steps
@@ -108,4 +108,4 @@ def lattice_turn(table, x, y, heading):
     stays = steps * (table.radius * TWO_PI / table.length.shape[2])
     known = side != UNREACHED
     side, stays = (side * 1.0 if known else 0.0), (stays if known else 0.0)
-    return (towards, length) if side == DIRECT else (side, stays)
+    return (towards, length) if side == IN_SIGHT else (side, stays)

@@ -17,8 +17,12 @@ from hav_env.guidance.site import path_keeps_clear
 from hav_env.maths.dubins import LSL, RSR, shortest_path
 from hav_env.maths.geometry import TWO_PI, into_frame
 
-SIDES = (0, -1, 1)  # of a drive: straight ahead, right, left; of equal ones the first one counts
-DIRECT, UNREACHED = 2, 3  # instead of a side
+DRIVE_SIDES = (
+    0,
+    -1,
+    1,
+)  # of a drive: straight ahead, right, left; of equal ones the first one counts
+IN_SIGHT, UNREACHED = 2, 3  # instead of a side
 _OUTSIDE = -1
 _MOST_STEPS = 255
 
@@ -44,7 +48,7 @@ class Nodes(NamedTuple):
     length: np.ndarray  # from the node's pose to the goal [m]; inf: not reached
     x: np.ndarray  # of the node's pose [m]
     y: np.ndarray
-    side: np.ndarray  # int8 of its drive: -1 right, 0 straight, 1 left; DIRECT or UNREACHED
+    side: np.ndarray  # int8 of its drive: -1 right, 0 straight, 1 left; IN_SIGHT or UNREACHED
     steps: (
         np.ndarray
     )  # uint8, how many drives to that side follow on each other, its own among them
@@ -76,7 +80,7 @@ def find_direct(first, last, site, drives, nodes, goal):
                 length = _see_goal(site, drives, x, y, k, dx, dy)
                 if length < math.inf:
                     node = (i * columns + j) * headings + k
-                    nodes.length[node], nodes.side[node] = length, DIRECT
+                    nodes.length[node], nodes.side[node] = length, IN_SIGHT
                     nodes.x[node], nodes.y[node] = x, y
 
 
@@ -118,7 +122,7 @@ def spread_backwards(first, last, site, drives, nodes, seeds):
                 taken += 1
             else:
                 head += 1
-            for side in SIDES:
+            for side in DRIVE_SIDES:
                 before = _reach(site, drives, nodes, node, side)
                 if before != _OUTSIDE:
                     nodes.queue[tail] = before

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import bellman_ford
 
 from hav_env.guidance import Lattice, find_lengths
 from hav_env.guidance.lattice import check_arguments, search, table_of
-from hav_env.guidance.search import DIRECT, UNREACHED
+from hav_env.guidance.search import IN_SIGHT, UNREACHED
 from hav_env.maths.dubins import path_length
 from tests.guidance.sites import HEADINGS, drive, lines_of, trace, walled_site
 from tests.support.budgets import COMPARED, COMPILED, budget
@@ -55,7 +55,7 @@ def test_lengths_in_the_open_are_those_of_bellman_and_ford():
     ends, starts = np.unique(np.array(edges), axis=0).T
     count = nodes.length.size
     graph = csr_array((np.full(ends.size, drives.step), (ends, starts)), shape=(count, count))
-    goal = int(np.flatnonzero(nodes.side == DIRECT)[0])
+    goal = int(np.flatnonzero(nodes.side == IN_SIGHT)[0])
     expected = bellman_ford(graph, indices=goal)
     assert drives.step == pytest.approx(RADIUS * TURN)
     np.testing.assert_allclose(nodes.length, expected, rtol=1e-12)
@@ -76,7 +76,7 @@ def test_among_walls_no_drive_is_missing_and_none_hits(direct):
             length = nodes.length[node] + drives.step
             own = np.hypot(pose[0] - nodes.x[before], pose[1] - nodes.y[before]) < 1e-9
             taken_here = own and side == nodes.side[before]
-            seen = nodes.side[before] == DIRECT
+            seen = nodes.side[before] == IN_SIGHT
             if not taken_here and (seen or nodes.length[before] <= length + 1e-9):
                 continue  # there is a way at least as short
             gap = lines.distance(trace(pose, side, RADIUS, drives.step))
@@ -93,7 +93,7 @@ def test_direct_nodes_have_the_length_of_a_dubins_path_that_keeps_clear():
     segments = walled_site(SIZE, 2, 8)
     site, drives, nodes, goal = search_small(segments, direct=25.0)
     table = table_of(SMALL, site, drives, nodes, goal)
-    found = np.argwhere(table.side == DIRECT)
+    found = np.argwhere(table.side == IN_SIGHT)
     assert len(found) > 300
     for i, j, k in found:
         x, y, heading = SMALL.cell * (j + 0.5), SMALL.cell * (i + 0.5), GOAL[2] + k * TURN

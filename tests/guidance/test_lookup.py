@@ -8,7 +8,7 @@ import pytest
 from hav_env.compiled import entry
 from hav_env.guidance import Lattice, lattice_length, lattice_turn
 from hav_env.guidance.lattice import check_arguments, search, table_of
-from hav_env.guidance.search import DIRECT
+from hav_env.guidance.search import IN_SIGHT
 from hav_env.maths.dubins import path_length
 from tests.guidance.sites import HEADINGS, drive, lines_of, trace, turned, walled_site
 from tests.support.budgets import COMPARED, COMPILED, budget
@@ -89,7 +89,7 @@ def test_from_anywhere_most_trucks_reach_the_goal_on_a_way_about_as_long(walls, 
 @pytest.mark.skipif(not COMPILED, reason=COMPARED)
 def test_where_the_goal_is_in_sight_length_and_turn_are_those_of_dubins():
     table, _ = lattice_of(WALLS[:0], 1e3)
-    assert (table.side == DIRECT).all()
+    assert (table.side == IN_SIGHT).all()
     rng = np.random.default_rng(3)
     for _ in range(200):
         x, y, heading = *rng.uniform(1.0, SIZE - 1.0, 2), rng.uniform(-9.0, 9.0)

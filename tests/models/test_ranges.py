@@ -65,7 +65,6 @@ FIELDS = [
 UNLIMITED = {"goal_speed"}
 NUMBERS = [place for place in FIELDS if place[2] in (int, float)]
 
-
 ARGUMENTS = {
     "num_havs": Havs,
     "num_envs, num_worlds": Worlds,
