@@ -33,9 +33,9 @@ from hav_env.world.obstacles.rays import (
 from hav_env.world.other_havs import FRONT_X, FRONT_Y
 from hav_env.world.place.segments import Obstacles, Plane
 
-OBSTACLE_COLUMNS = (Column("present"), *place_columns(""))
-_AT = places_of(OBSTACLE_COLUMNS)
-OBSTACLE_SIZE = len(OBSTACLE_COLUMNS)
+POINT_COLUMNS = (Column("present"), *place_columns(""))
+_AT = places_of(POINT_COLUMNS)
+OBSTACLE_SIZE = len(POINT_COLUMNS)
 _NOBODY_SQUARED = 1e20  # [m^2], farther than any segment is but those that a world does not have
 
 _to_segment, _to_rectangle = in_single(to_segment), in_single(to_rectangle)
@@ -47,7 +47,7 @@ def obstacle_columns(obstacles: int, rays: int) -> list[Column]:
     found = [
         column._replace(name=f"obstacle_{k}_{column.name}")
         for k in range(obstacles)
-        for column in OBSTACLE_COLUMNS
+        for column in POINT_COLUMNS
     ]
     return found + [Column(f"ray_{r}") for r in range(rays)]
 

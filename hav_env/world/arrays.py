@@ -3,11 +3,11 @@
 Shapes: N HAVs of a world, U units of a HAV (unit 0 is the truck; padded), G goals of a HAV, W
 worlds. The world is the last axis, the "lane": kernels run over HAVs and units outside and over the
 lanes inside, where one instruction works on several worlds. ``World`` names the whole batch as well
-as a block of its lanes.
-
-Quantities that belong together share an array: every one is one more argument of every kernel.
+as a block of its lanes. Quantities that belong together share an array: every array is one more
+argument of every kernel.
 """
 
+import functools
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -204,14 +204,14 @@ def world_size(*shape: Any) -> int:
     """Return how many bytes the arrays of one world take; nothing is allocated.
 
     Args:
-        *shape: as ``allocate_worlds`` takes it, from the number of HAVs to that of segments.
+        *shape: as ``allocate_worlds`` takes it, from the number of HAVs on.
     """
 
     def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
         return np.broadcast_to(kind(0), shape)
 
-    worlds = allocate_worlds(1, *shape, unbacked)
-    return sum(array.nbytes for array in arrays_in(worlds))
+    allocate = functools.partial(allocate_worlds, zeros=unbacked)
+    return sum(array.nbytes for array in arrays_in(allocate(1, *shape)))
 
 
 @kernel
