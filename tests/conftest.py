@@ -1,4 +1,6 @@
-"""This module sets up all tests: how many examples they draw, and which code is traced."""
+"""This module sets up all tests: examples they draw, code that is traced, threads of PyTorch."""
+
+import os
 
 from hypothesis import settings
 
@@ -11,3 +13,5 @@ settings.register_profile(
 settings.load_profile("suite")
 
 leave_compiler_untraced()
+# PyTorch's threads wait in loops, for each other and for those of the other processes of "-n"
+os.environ.setdefault("OMP_NUM_THREADS", "1")
