@@ -27,9 +27,10 @@ from hav_env.scenarios.column import Column, populate_column
 from hav_env.scenarios.crossing import Crossing, populate_crossing
 from hav_env.scenarios.explicit import Explicit, explicit, populate_explicit
 from hav_env.scenarios.explicit_files import load_explicit
-from hav_env.scenarios.field import Field, populate_field
 from hav_env.scenarios.fleets import RandomFleet
 from hav_env.scenarios.random_poses import RandomPoses, populate_random_poses
+from hav_env.scenarios.site_poses import SitePoses, populate_site_poses, site_poses
+from hav_env.scenarios.sites.field import Field, populate_field
 from hav_env.scenarios.yard import Yard, populate_yard
 from hav_env.world.arrays import World
 
@@ -90,6 +91,7 @@ populate.register(Field)(populate_field)
 populate.register(Yard)(populate_yard)
 populate.register(Column)(populate_column)
 populate.register(Explicit)(populate_explicit)
+populate.register(SitePoses)(populate_site_poses)
 
 __all__ = [
     "CatalogueFleet",
@@ -100,6 +102,7 @@ __all__ = [
     "PlacementError",
     "RandomFleet",
     "RandomPoses",
+    "SitePoses",
     "Yard",
     "catalogue_fleet",
     "check_scenario",
@@ -107,4 +110,5 @@ __all__ = [
     "load_explicit",
     "populate",
     "segments_of",
+    "site_poses",
 ]

@@ -10,9 +10,13 @@
 | ``yard-4``, ``-10`` | from a row of so many bays into random bays opposite |
 | ``column-5`` | five HAVs one behind the other, 200 m straight on |
 | ``field-1``, ``field-4`` | so many real vehicles among 32 random walls in 120 m x 120 m |
+| ``gate-2`` | two HAVs from both sides of a gate that is 1 m wider than they |
+| ``docks-6`` | six HAVs in a yard: from waiting lanes through docks and back |
+| ``junction-4`` | four HAVs at a junction of two roads |
 
-The fleets are the paper's where nothing else is said. Everything else is in the docstrings of the
-classes.
+The fleets are the paper's but for those from ``gate-2`` on, which are real places (``SITES``). Their
+vehicles need ``vehicle="realistic"``. Everything else is in the docstrings of the classes and in
+docs/sites-catalogue.md.
 """
 
 import os
@@ -33,6 +37,7 @@ from hav_env.scenarios import (
     load_explicit,
     populate,
 )
+from hav_env.scenarios.sites import BUILDERS
 
 SCENARIOS: dict[str, Any] = {
     "paper-single": RandomPoses(num_havs=1),
@@ -48,13 +53,16 @@ SCENARIOS: dict[str, Any] = {
     "field-4": Field(num_havs=4),
 }
 
+SITES: dict[str, Any] = {name: build() for name, build in BUILDERS.items()}
+"""Scenarios at real places, which need a vehicle model that knows hitches."""
+
 
 REGISTRY = Registry(
     "scenario",
     "hav_env.scenarios",
     populate.table.__contains__,
     "register it with populate.register",
-    SCENARIOS,
+    SCENARIOS | SITES,
     {".json": load_explicit},
 )
 

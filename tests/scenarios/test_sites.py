@@ -1,0 +1,159 @@
+"""Every connection of every site can be driven, by every vehicle, without touching anything.
+
+A driver follows the drives that are kept in tests/scenarios/drives, one HAV alone in the simulator.
+Shapely says whether a body touches a segment, at steps and in between: it compares the convex hulls
+of bodies over some steps.
+"""
+
+import functools
+
+import numpy as np
+import pytest
+import shapely
+
+from baselines.sites.drives import MARGIN, read_paths
+from baselines.sites.follow import covering_episodes, follow
+from hav_env import Batch
+from hav_env.places.site import is_inside
+from hav_env.scenarios.presets import SITES, find_scenario, scenario_of
+from hav_env.scenarios.sites import VEHICLES
+from hav_env.vehicles import VEHICLES as MODELS
+from hav_env.vehicles import catalogue
+from hav_env.world.arrays import JACKKNIFE, NEVER, OBSTACLE, WHEN
+from tests.support.budgets import COMPILED
+from tests.support.paths import ROOT
+
+DRIVES = ROOT / "tests/scenarios/drives"
+VEHICLE = MODELS.make("realistic")
+TOGETHER = 3  # steps in a hull
+sites = pytest.mark.parametrize("name", SITES)
+
+
+def corners_of(vehicle, x, y, headings) -> np.ndarray:
+    """Return the corners (..., 4, 2) of each body, along the equations of hitches."""
+    bodies, place = [], np.stack([x, y], axis=-1)
+    for number, unit in enumerate(vehicle.units):
+        ahead = np.stack([np.cos(headings[..., number]), np.sin(headings[..., number])], axis=-1)
+        if number:
+            front = np.stack(
+                [np.cos(headings[..., number - 1]), np.sin(headings[..., number - 1])], axis=-1
+            )
+            place = place - unit.hitch * front - unit.length * ahead
+        left = np.stack([-ahead[..., 1], ahead[..., 0]], axis=-1)
+        bodies.append(
+            np.stack(
+                [
+                    place + along * ahead + side * unit.half_width * left
+                    for along, side in (
+                        (-unit.rear, -1.0),
+                        (unit.length + unit.front, -1.0),
+                        (unit.length + unit.front, 1.0),
+                        (-unit.rear, 1.0),
+                    )
+                ],
+                axis=-2,
+            )
+        )
+    return np.stack(bodies, axis=-3)
+
+
+def hulls_over_time(corners) -> np.ndarray:
+    """Return the hulls of bodies (T, ..., 4, 2) over steps, the last one of each in the next."""
+    steps = range(0, len(corners) - 1, TOGETHER)
+    parts = [corners[k : k + TOGETHER + 1] for k in steps]
+    parts[-1] = np.concatenate([parts[-1], parts[-1][-1:].repeat(TOGETHER, 0)])[: TOGETHER + 1]
+    points = np.moveaxis(np.stack(parts), 1, -3)  # (hulls, ..., TOGETHER + 1, 4, 2)
+    points = points.reshape(-1, (TOGETHER + 1) * 4, 2)
+    return shapely.convex_hull(shapely.multipoints(points))
+
+
+@functools.cache
+def alone(name):
+    return SITES[name]._replace(num_havs=1)
+
+
+@pytest.mark.skipif(not COMPILED, reason="hundreds of thousands of steps")
+@sites
+def test_every_vehicle_drives_every_connection_and_touches_nothing(name):
+    scenario = alone(name)
+    episodes, covered = covering_episodes(scenario, seed=1, most=3_000)
+    wanted = {
+        (kind, int(start), int(goal))
+        for kind in range(len(VEHICLES[name]))
+        for start, goal in np.argwhere(scenario.follows)
+    }
+    assert covered == wanted
+    run = follow(scenario, VEHICLES[name], read_paths(name, DRIVES), 1, episodes)
+    assert run.hit.all()
+    assert run.off < MARGIN
+    first = run.batch.worlds.record.first[0, :, WHEN]
+    assert (first[JACKKNIFE] == NEVER).all()
+    assert (first[OBSTACLE] == NEVER).all()
+    tree = shapely.STRtree(shapely.linestrings(scenario.site.segment.reshape(-1, 2, 2)))
+    for kind, vehicle_name in enumerate(VEHICLES[name]):
+        own = run.kinds == kind
+        vehicle = catalogue(vehicle_name)
+        place = np.moveaxis(run.poses[:, own], -1, 0)
+        corners = corners_of(vehicle, *place, run.headings[:, own])
+        touching = tree.query(hulls_over_time(corners), predicate="intersects")
+        assert touching.shape[1] == 0
+
+
+@sites
+def test_names_lead_to_sites(name):
+    assert find_scenario(name) is SITES[name]
+    assert scenario_of(name, 1) == alone(name)
+    assert scenario_of(name).num_havs == int(name.rpartition("-")[2])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"num_havs": 7}, "num_havs is 7, but must be at most 6, the number of places"),
+        ({"place": np.zeros((2, 2))}, r"place has shape \(2, 2\), but must have \(P, 3\)"),
+        ({"first": np.ones(3, int)}, r"first has shape \(3,\), but must have \(14,\)"),
+        ({"follows": np.zeros((14, 14), int)}, "no place after place 0, but every place must"),
+        ({"first": np.full(14, 0.5)}, "first must hold 0 and 1 alone"),
+    ],
+)
+def test_what_does_not_fit_together_is_an_error(changes, message):
+    with pytest.raises(ValueError, match=message):
+        scenario_of(SITES["docks-6"]._replace(**changes))
+
+
+@sites
+def test_vehicles_have_room_at_all_places_at_once(name):
+    scenario = SITES[name]
+    tree = shapely.STRtree(shapely.linestrings(scenario.site.segment.reshape(-1, 2, 2)))
+    for vehicle_name in VEHICLES[name]:
+        vehicle = catalogue(vehicle_name)
+        x, y, heading = scenario.place.T
+        headings = heading[:, None].repeat(len(vehicle.units), axis=1)
+        corners = corners_of(vehicle, x, y, headings)
+        bodies = shapely.unary_union(shapely.polygons(corners), axis=1)
+        apart = shapely.intersects(bodies[:, None], bodies) == np.eye(len(bodies), dtype=bool)
+        assert apart.all()
+        assert tree.query(bodies, predicate="intersects").shape[1] == 0
+        for corner in corners.reshape(-1, 2):
+            assert is_inside(scenario.site, *corner)
+
+
+@sites
+def test_draws_keep_to_the_tables(name):
+    scenario = SITES[name]
+    worlds = Batch(scenario, 300, vehicle=VEHICLE)
+    worlds.reset(3)
+    state, goals = worlds.worlds.state, worlds.worlds.goals
+    start = np.stack([state.x, state.y, state.heading[:, 0]], axis=1)
+    poses = np.concatenate([start[:, None], goals], axis=1)  # (N, 1 + G, 3, W)
+    away = np.abs(poses[:, :, :, None] - scenario.place.T[:, :, None]).max(axis=2)
+    assert (away.min(axis=2) < 1e-9).all()
+    places = away.argmin(axis=2)  # (N, 1 + G, W)
+    assert scenario.first[places[:, 0]].all()
+    assert scenario.follows[places[:, :-1], places[:, 1:]].all()
+    ordered = np.sort(places, axis=0)
+    assert (np.diff(ordered, axis=0) > 0).all()
+    possible = scenario.first == 1
+    for phase in range(places.shape[1]):
+        assert set(places[:, phase].ravel()) == set(np.flatnonzero(possible))
+        possible = scenario.follows[possible].any(axis=0)
