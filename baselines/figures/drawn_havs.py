@@ -55,7 +55,7 @@ def draw_obstacles(axes: Any, trajectory: Trajectory, last: int) -> None:
 
         lines, struck = trajectory.segment.reshape(-1, 2, 2), _struck(trajectory, last)
         for chosen, style in ((lines, _OBSTACLES), (lines[struck], _STRUCK)):
-            axes.add_collection(LineCollection(chosen, zorder=5.5, **style), autolim=False)
+            axes.add_collection(LineCollection(list(chosen), zorder=5.5, **style), autolim=False)
 
 
 def explain_drawn(trajectory: Trajectory, last: int) -> list[dict[str, Any]]:

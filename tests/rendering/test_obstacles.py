@@ -105,7 +105,10 @@ def test_the_event_is_told_listed_and_counted():
     assert HIT not in describe(plane)
     assert HIT not in count_flags(plane)
     viewers = [Viewer("rgb_array"), Viewer("rgb_array")]
-    red = [len(where(viewer.draw(shown), RED)) for viewer, shown in zip(viewers, (plane, hit))]
+    red = [
+        len(where(viewer.draw(shown), RED))
+        for viewer, shown in zip(viewers, (plane, hit), strict=True)
+    ]
     assert red[0] == 0 < red[1]
 
 

@@ -19,8 +19,8 @@ def driven_into_wall() -> Trajectory:
     first[0, OBSTACLE] = HIT, 0
     return Trajectory(
         step=step,
-        x=6.0 + 0.4 * step[:, None] * [1.0, 1.0],
-        y=same + [0.0, 40.0],
+        x=same + 6.0 + 0.4 * step[:, None],
+        y=same + np.array([0.0, 40.0]),
         heading=np.zeros((rows, havs, units)),
         waiting=same > 0,
         removed=same > 0,
