@@ -12,7 +12,7 @@ from hav_env.world.arrays import NEVER
 
 _CELL = 60.0  # pixels, the least size of a cell of the grid
 _FADES = 5  # shades of a trail
-_WALL = 2.0  # pixels, breadth of obstacles at any scale: no gap that can be seen closes
+_SEGMENT_WIDTH = 2.0  # pixels, breadth of obstacles at any scale: no gap that can be seen closes
 
 
 def grid_spacing(camera: Camera) -> float:
@@ -62,11 +62,11 @@ def draw_segments(canvas: Canvas, camera: Camera, scene: Scene) -> None:
     """
     if not len(scene.segment):
         return
-    border = 2.0 * _WALL / camera.scale  # where lines are cut off is not seen
+    border = 2.0 * _SEGMENT_WIDTH / camera.scale  # where lines are cut off is not seen
     low, high = camera.seen()
     seen, parts = clip_segments(scene.segment, low - border, high + border)
     ends = camera.project(parts.reshape(-1, 2)).reshape(-1, 4)
-    canvas.lines(ends, INK, _WALL)
+    canvas.lines(ends, INK, _SEGMENT_WIDTH)
     struck = set() if scene.struck is None else set(scene.struck.tolist()) - {NEVER}
     if struck:
-        canvas.lines(ends[np.isin(seen, list(struck))], RED, 1.5 * _WALL)
+        canvas.lines(ends[np.isin(seen, list(struck))], RED, 1.5 * _SEGMENT_WIDTH)
