@@ -23,6 +23,7 @@ _EDGE = 12  # pixels between a panel and the edge, and within a panel
 _LISTED = 10  # HAVs up to which each has a line
 _TEXT_ROW = 19  # pixels
 _PANEL = 196  # pixels, breadth of the panels
+_BAR = 38  # pixels, breadth of the bar of a bend
 _ROOM = (560, 420)  # pixels that a picture needs for panels
 
 
@@ -73,11 +74,11 @@ def _draw_list(canvas: Canvas, scene: Scene, top: float) -> float:
         canvas.dot((2 * _EDGE + 6, middle), 5.5, PALE if gone else color_of(hav))
         canvas.text(str(hav), (2 * _EDGE + 20, middle), 18, INK, "midleft")
         state, color = _state_of(scene, hav)
-        canvas.text(state, (2 * _EDGE + 40, middle), 18, color, "midleft")
+        canvas.text(state, (2 * _EDGE + 36, middle), 18, color, "midleft")
         if not gone:
             share = float(shares_of(scene, hav).max())
-            canvas.bar(_PANEL - 46, middle - 3, 46, 6, PALE)
-            canvas.bar(_PANEL - 46, middle - 3, 46 * min(share, 1.0), 6, color_of_bend(share))
+            canvas.bar(_PANEL - _BAR, middle - 3, _BAR, 6, PALE)
+            canvas.bar(_PANEL - _BAR, middle - 3, _BAR * min(share, 1.0), 6, color_of_bend(share))
     return top + height
 
 
