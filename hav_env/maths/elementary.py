@@ -29,12 +29,15 @@ _SMALLEST = 1e-300  # keeps 0 / 0 away
 _LOG2_E = 1.4426950408889634
 _LN_2_HIGH, _LN_2_LOW = 0.6931471805599453, 2.3190468138462996e-17  # ln 2 in 106 bits
 _EXP_LOW, _EXP_HIGH = -708.0, 709.0  # what still has a normal result
-_IN_SINGLE = {"_SMALLEST": 1e-37, "_LN_2_LOW": -1.904654323148236e-09}
+_IN_SINGLE = {"_SMALLEST": 1e-37, "_LN_2_LOW": -1.904654323148236e-09, "_ROUNDER": 1.5 * 2.0**23}
 
 
 @kernel
 def floor(x):
-    """Return the greatest whole number that is not above x, for |x| < 2**51, as a float."""
+    """Return the greatest whole number that is not above x, for |x| < 2**51, as a float.
+
+    In single precision |x| must be below 2**22.
+    """
     nearest = (x + _ROUNDER) - _ROUNDER
     return nearest - 1.0 if nearest > x else nearest
 

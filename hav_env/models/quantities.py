@@ -43,7 +43,7 @@ AboveZero = Annotated[float, Range(ABOVE_ZERO, 1e6, said="above 0 and at most 1e
 
 Havs = Annotated[int, Range(1, 10_000)]  # of a world
 Seen = Annotated[int, Range(0, 1_000)]  # segments of which the nearest point is observed
-Rays = Annotated[int, Range(0, 1_024)]
+Rays = Annotated[int, Range(0, 128)]  # as many as a block has lanes
 Neighbors = Annotated[int, Range(0, 10_000)]  # who is observed, at most
 Goals = Annotated[int, Range(1, 1_000)]  # of a HAV
 Trailers = Annotated[int, Range(1, 100)]

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
-from hav_env.models.checks import check_relations, check_value, require
+from hav_env.models.checks import check_value
 from hav_env.models.quantities import Neighbors, RayRange, Rays, Seen
 from hav_env.observation import neighbors as of_neighbors
 from hav_env.observation.columns import Column
@@ -30,16 +30,10 @@ class Observation(NamedTuple):
     obstacles: Seen = 0
     """K, of how many segments of obstacles the nearest point is seen, nearest first."""
     rays: Rays = 0
-    """R, in how many directions the distance to obstacles and to other HAVs is seen: an even
-    number. The first is forward, the others follow counter-clockwise."""
+    """R, in how many directions the distance to obstacles and to other HAVs is seen. The first is
+    forward, the others follow counter-clockwise."""
     ray_range: RayRange = 50.0
     """Length of the rays [m]."""
-
-
-@check_relations.register
-def _(observation: Observation) -> None:
-    even = observation.rays % 2 == 0
-    require(even, "observation", observation, "rays", "an even number: each has one opposite")
 
 
 def check_observation(observation: Observation) -> None:

@@ -6,17 +6,18 @@ Rays also see the bodies of other HAVs. Points and rays begin at the truck's rea
 import math
 
 from hav_env.compiled import fixed, generic, in_single, kernel, single
-from hav_env.maths.elementary import sincos
-from hav_env.maths.geometry import TWO_PI
-from hav_env.observation.columns import Column, place_columns, places_of, write_place
+from hav_env.maths.elementary import atan2, floor, sincos
+from hav_env.maths.geometry import TURNS_PER_RADIAN, TWO_PI, clip, into_frame
+from hav_env.observation.columns import TINY_DISTANCE, Column, place_columns, places_of, write_place
 from hav_env.observation.scratch import (
-    POINT_FORWARD,
-    POINT_LEFT,
-    POINT_SQUARED,
-    SEEN_ALONG_X,
-    SEEN_ALONG_Y,
-    SEEN_HALF,
-    SEEN_WIDTH,
+    FIRST_RAY,
+    RAY_COSINE,
+    RAY_COUNT,
+    RAY_SINE,
+    SEEN_HALF_X,
+    SEEN_HALF_Y,
+    SEEN_NUMBER,
+    SEEN_SQUARED,
     SEEN_X,
     SEEN_Y,
 )
@@ -30,16 +31,14 @@ from hav_env.world.obstacles.rays import (
     to_rectangle,
     to_segment,
 )
-from hav_env.world.other_havs import FRONT_X, FRONT_Y
-from hav_env.world.place.segments import Obstacles, Plane
+from hav_env.world.place.segments import Obstacles, Plane, segment_of
 
 POINT_COLUMNS = (Column("present"), *place_columns(""))
 _AT = places_of(POINT_COLUMNS)
 OBSTACLE_SIZE = len(POINT_COLUMNS)
 _NOBODY_SQUARED = 1e20  # [m^2], farther than any segment is but those that a world does not have
-
-_to_segment, _to_rectangle = in_single(to_segment), in_single(to_rectangle)
-_ahead_of = in_single(ahead_of)
+_WIDER = 1e-3  # [rad], more than single precision makes of an angle
+_to_segment, _ahead_of = in_single(to_segment), in_single(ahead_of)
 
 
 def obstacle_columns(obstacles: int, rays: int) -> list[Column]:
@@ -77,26 +76,32 @@ def _see_nothing(place, observation, world, agent, scratch, columns, first):
 
 @observe_obstacles.register(Obstacles)
 def _see_nearest(place, observation, world, agent, scratch, columns, first):
-    last = fixed(first + OBSTACLE_SIZE * (observation.obstacles - 1) + _AT.distance)
+    """Sort squared distances and numbers of segments in all lanes, then look at those that won."""
     for rank in range(observation.obstacles):
         column = fixed(first + OBSTACLE_SIZE * rank)
         for lane in range(world.lanes):
             columns[column + _AT.distance, lane] = math.inf
-            columns[column + _AT.bearing_cosine, lane] = 0.0
-            columns[column + _AT.bearing_sine, lane] = 0.0
-    for segment in range(_most_segments(place, world)):
-        nearer = _look_at_segment(world, agent, fixed(segment), scratch.rows, columns[last])
-        if nearer > 0:
+            columns[column + _AT.present, lane] = 0.0
+    last = fixed(first + OBSTACLE_SIZE * (observation.obstacles - 1) + _AT.distance)
+    for number in range(_most_segments(place, world)):
+        _measure_segment(place, world, agent, fixed(number), scratch.rows)
+        if _count_below(world, scratch.rows[SEEN_SQUARED], columns[last]) > 0:
             for rank in range(observation.obstacles):
                 column = fixed(first + OBSTACLE_SIZE * rank)
                 _sort_in(world, scratch.rows, columns, column)
     for rank in range(observation.obstacles):
         column = fixed(first + OBSTACLE_SIZE * rank)
         for lane in range(world.lanes):
+            number = int(columns[column + _AT.present, lane])
+            forward, left = obstacle_point(world, agent, number, lane)
+            columns[column + _AT.bearing_cosine, lane] = forward
+            columns[column + _AT.bearing_sine, lane] = left
+        for lane in range(world.lanes):
             present = columns[column + _AT.distance, lane] < single(_NOBODY_SQUARED)
             forward = single(columns[column + _AT.bearing_cosine, lane])
             left = single(columns[column + _AT.bearing_sine, lane])
             columns[column + _AT.present, lane] = 1.0 if present else 0.0
+            forward, left = forward if present else single(0.0), left if present else single(0.0)
             write_place(columns, column + _AT.distance, lane, forward, left)
 
 
@@ -109,36 +114,51 @@ def _most_segments(place, world):
     return most
 
 
+@in_single
 @kernel
-def _look_at_segment(world, agent, segment, rows, farthest):
-    """Write where a segment is nearest; return in how many lanes it is nearer than the farthest."""
-    nearer = 0
+def _squared_distance(dx, dy, cosine, sine, half):
+    """Return the square of the distance [m^2] to a segment, given where its middle is [m]."""
+    along, across = into_frame(dx, dy, cosine, sine)
+    beyond = along - clip(along, -half, half)
+    return beyond * beyond + across * across
+
+
+@kernel
+def _measure_segment(place, world, agent, number, rows):
+    """Write the squared distance of a segment from the own rear axle, and its number."""
+    state = world.state
     for lane in range(world.lanes):
-        forward, left = obstacle_point(world, agent, segment, lane)
-        rows[POINT_FORWARD, lane], rows[POINT_LEFT, lane] = forward, left
-        rows[POINT_SQUARED, lane] = forward * forward + left * left
+        x, y, cosine, sine, half, _ = segment_of(place, number, lane)
+        dx, dy = single(x - state.x[agent, lane]), single(y - state.y[agent, lane])
+        rows[SEEN_SQUARED, lane] = _squared_distance(
+            dx, dy, single(cosine), single(sine), single(half)
+        )
+        rows[SEEN_NUMBER, lane] = number
+
+
+@kernel
+def _count_below(world, one, other):
+    """Return in how many lanes one number is below another."""
+    below = 0
     for lane in range(world.lanes):
-        nearer += rows[POINT_SQUARED, lane] < farthest[lane]
-    return nearer
+        below += one[lane] < other[lane]
+    return below
 
 
 @kernel
 def _sort_in(world, rows, columns, column):
-    """Put the point at hand into a rank where it is nearer than the one there, and take that one.
+    """Put the segment at hand into a rank where it is nearer than the one there, and take that one.
 
     Of equally near ones the first stays.
     """
     for lane in range(world.lanes):
-        squared, kept = rows[POINT_SQUARED, lane], columns[column + _AT.distance, lane]
+        squared, kept = rows[SEEN_SQUARED, lane], columns[column + _AT.distance, lane]
+        number, other = rows[SEEN_NUMBER, lane], columns[column + _AT.present, lane]
         nearer = squared < kept
         columns[column + _AT.distance, lane] = squared if nearer else kept
-        rows[POINT_SQUARED, lane] = kept if nearer else squared
-        forward, other = rows[POINT_FORWARD, lane], columns[column + _AT.bearing_cosine, lane]
-        columns[column + _AT.bearing_cosine, lane] = forward if nearer else other
-        rows[POINT_FORWARD, lane] = other if nearer else forward
-        left, other = rows[POINT_LEFT, lane], columns[column + _AT.bearing_sine, lane]
-        columns[column + _AT.bearing_sine, lane] = left if nearer else other
-        rows[POINT_LEFT, lane] = other if nearer else left
+        rows[SEEN_SQUARED, lane] = kept if nearer else squared
+        columns[column + _AT.present, lane] = number if nearer else other
+        rows[SEEN_NUMBER, lane] = other if nearer else number
 
 
 @kernel
@@ -156,12 +176,16 @@ def observe_rays(observation, world, agent, scratch, columns, first):
     most = single(observation.ray_range)
     for number in range(observation.rays):
         column = fixed(first + number)
+        sine, cosine = sincos(TWO_PI * number / observation.rays)
+        scratch.rows[RAY_COSINE, number], scratch.rows[RAY_SINE, number] = cosine, sine
         for lane in range(world.lanes):
             columns[column, lane] = most
-    _cast_at_obstacles(world.place, observation, world, agent, scratch, columns, first)
+    _cast_at_obstacles(world.place, observation, world, agent, scratch.rows, columns, first)
     for other in range(world.state.x.shape[0]):
-        if other != agent and _within(observation, world, agent, fixed(other)) > 0:
-            _cast_at_hav(observation, world, agent, fixed(other), scratch, columns, first)
+        for lane in range(world.lanes):
+            near = may_be_within(world, agent, other, observation.ray_range, lane)
+            if near and other != agent:
+                _cast_at_hav(observation, world, agent, other, scratch.rows, columns, first, lane)
     per_range = single(1.0 / observation.ray_range)
     for number in range(observation.rays):
         column = fixed(first + number)
@@ -170,94 +194,94 @@ def observe_rays(observation, world, agent, scratch, columns, first):
 
 
 @kernel
-def ray_direction(number, rays):
-    """Return cosine and sine of the direction of a ray of so many, in the truck's frame."""
-    sine, cosine = sincos(TWO_PI * number / rays)
-    return cosine, sine
+def rays_towards(rays, x, y, radius):
+    """Return the first ray that may meet a circle, given its middle [m], and how many may.
+
+    The first one may be below 0: it counts from forward in either direction.
+    """
+    distance = math.sqrt(x * x + y * y)
+    # the arcsine of a number from 0 to 1 is at most that share of a quarter turn
+    share = min(radius / max(distance, TINY_DISTANCE), 1.0)
+    half = 0.5 * math.pi * share + _WIDER
+    per_step = rays * TURNS_PER_RADIAN
+    angle = atan2(y, x)
+    first = floor((angle - half) * per_step) + 1.0
+    count = min(floor((angle + half) * per_step) - first + 1.0, rays)
+    inside = share == 1.0
+    return 0.0 if inside else first, rays if inside else count
+
+
+_rays_towards = in_single(rays_towards)
 
 
 @generic
-def _cast_at_obstacles(place, observation, world, agent, scratch, columns, first):
+def _cast_at_obstacles(place, observation, world, agent, rows, columns, first):
     """Shorten the rays that meet obstacles."""
 
 
 @_cast_at_obstacles.register(Plane)
-def _cast_at_nothing(place, observation, world, agent, scratch, columns, first):
+def _cast_at_nothing(place, observation, world, agent, rows, columns, first):
     pass
 
 
 @_cast_at_obstacles.register(Obstacles)
-def _cast_at_segments(place, observation, world, agent, scratch, columns, first):
-    rows, squared_range = scratch.rows, single(observation.ray_range * observation.ray_range)
-    half = observation.rays // 2
+def _cast_at_segments(place, observation, world, agent, rows, columns, first):
+    """Find in all lanes which rays may meet a segment, then cast those."""
+    rays = observation.rays
     for number in range(_most_segments(place, world)):
-        segment, within = fixed(number), 0
+        _look_at_segment(place, observation, world, agent, fixed(number), rows)
         for lane in range(world.lanes):
-            forward, left = obstacle_point(world, agent, segment, lane)
-            within += forward * forward + left * left <= squared_range
-        if within == 0:
-            continue
-        for lane in range(world.lanes):
-            x, y, half_x, half_y = seen_segment(place, world, agent, segment, lane)
-            rows[SEEN_X, lane], rows[SEEN_Y, lane] = x, y
-            rows[SEEN_ALONG_X, lane], rows[SEEN_ALONG_Y, lane] = half_x, half_y
-        for ray in range(half):
-            cosine, sine = ray_direction(ray, observation.rays)
-            ahead, behind = fixed(first + ray), fixed(first + half + ray)
-            for lane in range(world.lanes):
+            count = int(rows[RAY_COUNT, lane])
+            ray = (int(rows[FIRST_RAY, lane]) + rays) % rays
+            for _ in range(count):
                 length = _to_segment(
-                    single(cosine),
-                    single(sine),
+                    rows[RAY_COSINE, ray],
+                    rows[RAY_SINE, ray],
                     rows[SEEN_X, lane],
                     rows[SEEN_Y, lane],
-                    rows[SEEN_ALONG_X, lane],
-                    rows[SEEN_ALONG_Y, lane],
+                    rows[SEEN_HALF_X, lane],
+                    rows[SEEN_HALF_Y, lane],
                 )
-                columns[ahead, lane] = min(columns[ahead, lane], _ahead_of(length, length))
-                columns[behind, lane] = min(columns[behind, lane], _ahead_of(-length, -length))
+                met = _ahead_of(length, length)
+                columns[first + ray, lane] = min(columns[first + ray, lane], met)
+                ray = ray + 1 if ray + 1 < rays else 0
 
 
 @kernel
-def _within(observation, world, agent, other):
-    """Return in how many lanes another HAV may be within the range of the rays."""
-    within = 0
+def _look_at_segment(place, observation, world, agent, number, rows):
+    """Write a segment as seen from the truck, and which rays may meet it: none out of range."""
+    squared_range = single(observation.ray_range * observation.ray_range)
+    _measure_segment(place, world, agent, number, rows)
     for lane in range(world.lanes):
-        within += may_be_within(world, agent, other, observation.ray_range, lane)
-    return within
+        x, y, half_x, half_y = seen_segment(place, world, agent, number, lane)
+        rows[SEEN_X, lane], rows[SEEN_Y, lane] = x, y
+        rows[SEEN_HALF_X, lane], rows[SEEN_HALF_Y, lane] = half_x, half_y
+    for lane in range(world.lanes):
+        half_x, half_y = rows[SEEN_HALF_X, lane], rows[SEEN_HALF_Y, lane]
+        ray, count = _rays_towards(
+            single(observation.rays),
+            rows[SEEN_X, lane],
+            rows[SEEN_Y, lane],
+            math.sqrt(half_x * half_x + half_y * half_y),
+        )
+        within = rows[SEEN_SQUARED, lane] <= squared_range
+        rows[FIRST_RAY, lane] = ray
+        rows[RAY_COUNT, lane] = count if within else 0.0
 
 
 @kernel
-def _cast_at_hav(observation, world, agent, other, scratch, columns, first):
+def _cast_at_hav(observation, world, agent, other, rows, columns, first, lane):
     """Shorten the rays that meet the bodies of another HAV."""
-    rows, chain, half = scratch.rows, scratch.chain, observation.rays // 2
-    for lane in range(world.lanes):
-        x, y = front_axle(world, other, lane)
-        chain[FRONT_X, lane], chain[FRONT_Y, lane] = x, y
-    for number in range(world.state.heading.shape[1]):
-        unit = fixed(number)
-        for lane in range(world.lanes):
-            front_x, front_y = chain[FRONT_X, lane], chain[FRONT_Y, lane]
-            x, y, along_x, along_y, length, width = seen_body(
-                world, agent, other, unit, lane, front_x, front_y
-            )
-            rows[SEEN_X, lane], rows[SEEN_Y, lane] = x, y
-            rows[SEEN_ALONG_X, lane], rows[SEEN_ALONG_Y, lane] = along_x, along_y
-            rows[SEEN_HALF, lane], rows[SEEN_WIDTH, lane] = length, width
-            _, _, front_x, front_y = ends_behind(world, other, unit, lane, front_x, front_y)
-            chain[FRONT_X, lane], chain[FRONT_Y, lane] = front_x, front_y
-        for ray in range(half):
-            cosine, sine = ray_direction(ray, observation.rays)
-            ahead, behind = fixed(first + ray), fixed(first + half + ray)
-            for lane in range(world.lanes):
-                near, far = _to_rectangle(
-                    single(cosine),
-                    single(sine),
-                    rows[SEEN_X, lane],
-                    rows[SEEN_Y, lane],
-                    rows[SEEN_ALONG_X, lane],
-                    rows[SEEN_ALONG_Y, lane],
-                    rows[SEEN_HALF, lane],
-                    rows[SEEN_WIDTH, lane],
-                )
-                columns[ahead, lane] = min(columns[ahead, lane], _ahead_of(near, far))
-                columns[behind, lane] = min(columns[behind, lane], _ahead_of(-far, -near))
+    front_x, front_y = front_axle(world, other, lane)
+    for unit in range(world.fleet.num_trailers[other, lane] + 1):
+        body = seen_body(world, agent, other, unit, lane, front_x, front_y)
+        x, y, _, _, half, width = body
+        radius = math.sqrt(half * half + width * width)
+        ahead, count = rays_towards(float(observation.rays), x, y, radius)
+        ray = (int(ahead) + observation.rays) % observation.rays
+        for _ in range(int(count)):
+            cosine, sine = float(rows[RAY_COSINE, ray]), float(rows[RAY_SINE, ray])
+            met = single(ahead_of(*to_rectangle(cosine, sine, *body)))
+            columns[first + ray, lane] = min(columns[first + ray, lane], met)
+            ray = ray + 1 if ray + 1 < observation.rays else 0
+        _, _, front_x, front_y = ends_behind(world, other, unit, lane, front_x, front_y)

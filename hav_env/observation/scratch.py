@@ -16,10 +16,10 @@ GOAL_FORWARD, GOAL_LEFT, APPROACH_FORWARD, APPROACH_LEFT = range(6, 10)
 GOAL_HEADING, GOAL_COSINE, GOAL_SINE = range(10, 13)
 # radii of the circles of the paths to the two points, truck's length [m]; steepest steering [rad]
 DRIVABLE_RADIUS, STABLE_RADIUS, WHEELBASE, STEERING_MAX = range(13, 17)
-# of a segment, or of another HAV's body, as seen from the truck: its middle, and from there to one
-# end, or the direction along it and half its length and width [m]; the nearest point
-SEEN_X, SEEN_Y, SEEN_ALONG_X, SEEN_ALONG_Y, SEEN_HALF, SEEN_WIDTH = range(17, 23)
-POINT_SQUARED, POINT_FORWARD, POINT_LEFT, SCRATCH_ROWS = range(23, 27)
+# of a segment: the square of how far it is [m^2], its number; as seen from the truck its middle,
+# and from there to one end [m]; which rays may meet it; directions of rays, which are no lanes
+SEEN_SQUARED, SEEN_NUMBER, SEEN_X, SEEN_Y, SEEN_HALF_X, SEEN_HALF_Y = range(17, 23)
+FIRST_RAY, RAY_COUNT, RAY_COSINE, RAY_SINE, SCRATCH_ROWS = range(23, 28)
 
 
 class Scratch(NamedTuple):

@@ -13,7 +13,7 @@ from hav_env.vehicles import VEHICLES
 from tests.support.budgets import budget
 from tests.support.obstacles import body_shapes, wall_shapes
 
-RAYS, MOST, POINTS = 16, 50.0, 4
+RAYS, MOST, POINTS = 17, 50.0, 4
 SEEN = Observation(neighbors=1, obstacles=POINTS, rays=RAYS, ray_range=MOST)
 
 
@@ -132,6 +132,6 @@ def test_the_plane_has_no_obstacles_to_see():
     assert (outcome.observation[..., rays] > 0.0).all()
 
 
-def test_an_odd_number_of_rays_is_refused():
-    with pytest.raises(ValueError, match="rays is 3, but must be an even number"):
-        DecisionProcess(1, observation=Observation(rays=3))
+def test_more_rays_than_lanes_are_refused():
+    with pytest.raises(ValueError, match="rays is 129, but must be at least 0 and at most 128"):
+        DecisionProcess(1, observation=Observation(rays=129))
