@@ -7,21 +7,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from baselines.figures.right_angle_turn import tightest_radius
 from baselines.sites.chain_motion import chain_of, clearance_of
 from baselines.sites.roads import ROADS
 from baselines.sites.search import Segments, Terms, find_drive
 from baselines.storage.atomic_files import write_text
 from hav_env.scenarios.presets import SITES
 from hav_env.vehicles import Combination, catalogue
+from hav_env.vehicles.steady_circles import least_radius
 
-FOLDER = pathlib.Path("tests/scenarios/drives")
+DRIVE_FOLDER = pathlib.Path("tests/scenarios/drives")
 """Where drives are kept, from the root of the project."""
-MARGIN = 0.25
+DRIVE_MARGIN = 0.25
 """Least distance of bodies to segments [m], for what a driver deviates from its path."""
-SPARE = 1.06
+_TURN_SPARE = 1.06
 """Radius of the tightest turns, as a multiple of the vehicle's least."""
-BETWEEN = 0.1
+_BETWEEN = 0.1
 """Between the points of a path [m]."""
 
 
@@ -40,7 +40,9 @@ class Path(NamedTuple):
 
 def least_turn(vehicle: Combination) -> float:
     """Return the radius [m] of a vehicle's tightest turns in drives."""
-    return round(SPARE * tightest_radius(vehicle), 3)
+    wheels = vehicle.lengths[0] / math.tan(vehicle.steering_max)
+    joints = least_radius(vehicle.lengths, vehicle.offsets, vehicle.limits)
+    return round(_TURN_SPARE * max(wheels, joints), 3)
 
 
 def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
@@ -57,7 +59,7 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
     field, plans = clearance_of(scenario.site), {}
     for vehicle_name in vehicles:
         vehicle = catalogue(vehicle_name)
-        terms = Terms(chain_of(vehicle), field, least_turn(vehicle), MARGIN)
+        terms = Terms(chain_of(vehicle), field, least_turn(vehicle), DRIVE_MARGIN)
         legs: dict[tuple[float, ...], Segments] = {}
         drives: dict[str, list[list[float]]] = {}
         for begin, end in np.argwhere(scenario.follows == 1):
@@ -82,7 +84,7 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
     return {"scenario": name, "vehicles": plans}
 
 
-def write_plans(plans: dict[str, Any], folder: pathlib.Path = FOLDER) -> pathlib.Path:
+def write_plans(plans: dict[str, Any], folder: pathlib.Path = DRIVE_FOLDER) -> pathlib.Path:
     """Write the drives of a site as JSON, one drive a line, and return the path."""
     lines = []
     for name, plan in plans["vehicles"].items():
@@ -95,7 +97,7 @@ def write_plans(plans: dict[str, Any], folder: pathlib.Path = FOLDER) -> pathlib
     return path
 
 
-def read_paths(name: str, folder: pathlib.Path = FOLDER) -> list[Path]:
+def read_paths(name: str, folder: pathlib.Path = DRIVE_FOLDER) -> list[Path]:
     """Return all drives of a site as paths."""
     plans, place = json.loads((folder / f"{name}.json").read_text()), SITES[name].place
     paths = []
@@ -119,7 +121,7 @@ def trace_path(start: np.ndarray, segments: Segments, radius: float) -> np.ndarr
     x, y, heading = map(float, start)
     rows = []
     for side, length in segments:
-        count = max(1, math.ceil(length / BETWEEN))
+        count = max(1, math.ceil(length / _BETWEEN))
         way, curvature = length / count, side / radius
         for _ in range(count):
             rows.append((x, y, heading, curvature))

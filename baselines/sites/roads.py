@@ -11,7 +11,6 @@ import numpy as np
 from hav_env.scenarios.site_poses import SitePoses
 
 Poses = list[np.ndarray]
-_RING = 11.5  # [m] of the ring of guides in a roundabout
 
 
 def _through_gate(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
@@ -30,42 +29,6 @@ def _across_junction(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -
     return [_turned(come, start[2] - math.pi), _turned(leave, goal[2] - math.pi)]
 
 
-def _along_haul_road(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
-    """Keep to the right lane of the road: out of one loop, into the other."""
-    out, into = np.array([38.0, -2.2, 0.0]), np.array([9.0, 2.2, math.pi])
-    shift = np.array([90.0, -90.0, 0.0])  # of the dumping loop, which is turned by a quarter
-    if start[2] < 1.0:
-        return [out, _in_bend(47.8, -math.pi / 4), _turned(into, math.pi / 2) + shift]
-    return [_turned(out, math.pi / 2) + shift, _in_bend(52.2, 0.75 * math.pi), into]
-
-
-def _in_bend(radius: float, heading: float) -> np.ndarray:
-    """Return the middle of the bend of the haul road, in one of the lanes."""
-    aside = radius * math.sqrt(0.5)
-    return np.array([40.0 + aside, -50.0 + aside, heading, 1.0])
-
-
-def _round_ring(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
-    """Come in the right lane, keep to the right round the island, leave by the right lane."""
-    arm, last = start[2] - math.pi, goal[2] - math.pi
-    quarters = round(((last - arm) % (2.0 * math.pi)) / (math.pi / 2))
-    ring = [
-        np.array([_RING * math.cos(angle), _RING * math.sin(angle), angle + math.pi / 2, 1.0])
-        for angle in (arm + (k + 0.5) * math.pi / 2 for k in range(quarters))
-    ]
-    come, leave = np.array([45.0, 2.0, math.pi]), np.array([48.0, -2.0, 0.0])
-    return [_turned(come, arm), *ring, _turned(leave, last)]
-
-
-def _behind_aircraft(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
-    """Pass the noses and between two wing tips to a hold; leave behind the tails."""
-    if start[2] < 0.0:
-        return [np.array([-10.0, -60.0, math.pi])]
-    pitch = float(scenario.place[8, 0] - scenario.place[6, 0])
-    between = (math.floor(goal[0] / pitch) + 0.5) * pitch
-    return [np.array([between, -34.0, -math.pi / 2, 1.0])]
-
-
 def _turned(pose: np.ndarray, angle: float) -> np.ndarray:
     """Return a pose turned round the origin."""
     cosine, sine = math.cos(angle), math.sin(angle)
@@ -77,10 +40,5 @@ ROADS: dict[str, Callable[[SitePoses, np.ndarray, np.ndarray], Poses]] = {
     "gate-2": _through_gate,
     "docks-6": _direct,
     "junction-4": _across_junction,
-    "parking-8": _direct,
-    "aisles-6": _direct,
-    "haul-road-4": _along_haul_road,
-    "apron-6": _behind_aircraft,
-    "roundabout-6": _round_ring,
 }
 """The poses between start and goal, for each site."""

@@ -14,9 +14,9 @@
 | ``docks-6`` | six HAVs in a yard: from waiting lanes through docks and back |
 | ``junction-4`` | four HAVs at a junction of two roads |
 
-The fleets are the paper's but for those from ``gate-2`` on, which are real places (``SITES``). Their
-vehicles need ``vehicle="realistic"``. Everything else is in the docstrings of the classes and in
-docs/sites-catalogue.md.
+The fleets are the paper's where nothing else is said. Names from ``gate-2`` on are real places
+(``SITES``); their vehicles need ``vehicle="realistic"``. Everything else is in the docstrings of
+the classes and in docs/sites-catalogue.md.
 """
 
 import os

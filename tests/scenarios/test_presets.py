@@ -32,7 +32,10 @@ def test_presets_are_what_papers_cite():
         "yard-10": Yard(num_havs=10),
         "column-5": Column(num_havs=5),
     } == SCENARIOS
-    assert {type(scenario) for scenario in SCENARIOS.values()} == {*populate.table} - {Explicit, SitePoses}
+    assert {type(scenario) for scenario in SCENARIOS.values()} == {*populate.table} - {
+        Explicit,
+        SitePoses,
+    }
 
 
 def test_every_name_is_explained():
