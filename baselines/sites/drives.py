@@ -9,7 +9,7 @@ import numpy as np
 
 from baselines.sites.chain_motion import chain_of, clearance_of
 from baselines.sites.roads import ROADS
-from baselines.sites.search import Segments, Terms, find_drive
+from baselines.sites.search import Segments, Terms, best_of, find_drive
 from baselines.storage.atomic_files import write_text
 from hav_env.scenarios.presets import SITES
 from hav_env.vehicles import Combination, catalogue
@@ -61,6 +61,7 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
         vehicle = catalogue(vehicle_name)
         terms = Terms(chain_of(vehicle), field, least_turn(vehicle), DRIVE_MARGIN)
         legs: dict[tuple[float, ...], Segments] = {}
+        known: dict[tuple[float, ...], list[Segments]] = {}  # sites are symmetric in parts
         drives: dict[str, list[list[float]]] = {}
         for begin, end in np.argwhere(scenario.follows == 1):
             start, goal = scenario.place[begin], scenario.place[end]
@@ -72,16 +73,31 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
                     continue
                 key = (*one, *other)
                 if key not in legs:
-                    found = find_drive(terms, one, other, 0, guides)
+                    like = _relative(one, other)
+                    found = best_of(terms, one, known.get(like, []))
+                    found = found or find_drive(terms, one, other, 0, guides)
                     if found is None:
                         told = f"{vehicle_name} found no way from place {begin} to place {end}"
                         raise ValueError(f"{told} of {name}: between {one} and {other}")
                     legs[key] = found
+                    known.setdefault(like, []).append(found)
+                    mirrored = _relative(np.zeros(3), np.array([like[0], -like[1], -like[2]]))
+                    known.setdefault(mirrored, []).append([(-side, way) for side, way in found])
                 path = path + legs[key]
                 one, guides = other, []
             drives[f"{begin}-{end}"] = [[round(side, 4), round(way, 3)] for side, way in path]
         plans[vehicle_name] = {"radius": terms.radius, "drives": drives}
     return {"scenario": name, "vehicles": plans}
+
+
+def _relative(one: np.ndarray, other: np.ndarray) -> tuple[float, float, float]:
+    """Return a pose as another one sees it: ahead, to the left, turned."""
+    x, y, heading = other - one
+    cosine, sine = math.cos(one[2]), math.sin(one[2])
+    ahead, left = x * cosine + y * sine, y * cosine - x * sine
+    turned = math.remainder(heading, 2.0 * math.pi)
+    turned = math.pi if abs(turned + math.pi) < 1e-3 else turned
+    return round(ahead, 2) + 0.0, round(left, 2) + 0.0, round(turned, 3) + 0.0
 
 
 def write_plans(plans: dict[str, Any], folder: pathlib.Path = DRIVE_FOLDER) -> pathlib.Path:

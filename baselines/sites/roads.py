@@ -29,6 +29,14 @@ def _across_junction(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -
     return [_turned(come, start[2] - math.pi), _turned(leave, goal[2] - math.pi)]
 
 
+def _by_cross_aisle(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
+    """Leave an aisle, go along the cross aisle at its end, and enter another."""
+    side, ahead = math.copysign(1.0, start[2]), math.copysign(1.0, goal[0] - start[0])
+    y, heading = side * 14.2, 0.0 if ahead > 0.0 else math.pi
+    first, last = (round(float(x), 6) for x in (start[0] + 2.7 * ahead, goal[0] - 2.7 * ahead))
+    return [np.array([x, y, heading, 1.0]) for x in sorted({first, last}, reverse=ahead < 0.0)]
+
+
 def _turned(pose: np.ndarray, angle: float) -> np.ndarray:
     """Return a pose turned round the origin."""
     cosine, sine = math.cos(angle), math.sin(angle)
@@ -40,5 +48,6 @@ ROADS: dict[str, Callable[[SitePoses, np.ndarray, np.ndarray], Poses]] = {
     "gate-2": _through_gate,
     "docks-6": _direct,
     "junction-4": _across_junction,
+    "aisles-6": _by_cross_aisle,
 }
 """The poses between start and goal, for each site."""

@@ -1,12 +1,13 @@
 """This package has real places for scenarios: yards and roads, one file for each."""
 
-from hav_env.scenarios.sites import docks, gate, junction
+from hav_env.scenarios.sites import aisles, docks, gate, junction
 from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 
 BUILDERS = {
     "gate-2": gate.gate,
     "docks-6": docks.docks,
     "junction-4": junction.junction,
+    "aisles-6": aisles.aisles,
 }
 """Functions that return the scenarios, by name."""
 

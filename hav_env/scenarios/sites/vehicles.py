@@ -4,5 +4,6 @@ SITE_VEHICLES = {
     "gate-2": ("eu-semi-trailer", "eurocombi"),
     "docks-6": ("eu-semi-trailer", "terminal-tractor"),
     "junction-4": ("eu-semi-trailer", "eu-truck-trailer"),
+    "aisles-6": ("tugger-train",),
 }
 """Names of vehicles by scenario, in the order of its fleet."""
