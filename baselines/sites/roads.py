@@ -11,6 +11,7 @@ import numpy as np
 from hav_env.scenarios.site_poses import SitePoses
 
 Poses = list[np.ndarray]
+_ROUND_PILE = np.array([-55.0, 22.0, math.pi]), np.array([-118.0, 2.0, -math.pi / 2])
 
 
 def _through_gate(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
@@ -27,6 +28,24 @@ def _across_junction(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -
     """Come in the right lane of an arm, and leave by the right lane of the arm of the goal."""
     come, leave = np.array([40.0, 2.0, math.pi]), np.array([42.0, -2.0, 0.0])
     return [_turned(come, start[2] - math.pi), _turned(leave, goal[2] - math.pi)]
+
+
+def _along_haul_road(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
+    """Keep to the right lane of the road: out of one loop, into the other."""
+    out, into = np.array([38.0, -2.2, 0.0]), np.array([9.0, 2.2, math.pi])
+    shift = np.array([90.0, -90.0, 0.0])  # of the dumping loop, which is turned by a quarter
+    if start[2] < 1.0:
+        loop = [_turned(pose, math.pi / 2) + shift for pose in (into, *_ROUND_PILE)]
+        bend = _in_bend(47.8, -math.pi / 4)
+        return [out, bend, loop[0], *(np.array([*pose, 1.0]) for pose in loop[1:])]
+    bend, loop = _in_bend(52.2, 0.75 * math.pi), [np.array([*pose, 1.0]) for pose in _ROUND_PILE]
+    return [_turned(out, math.pi / 2) + shift, bend, into, *loop]
+
+
+def _in_bend(radius: float, heading: float) -> np.ndarray:
+    """Return the middle of the bend of the haul road, in one of the lanes."""
+    aside = radius * math.sqrt(0.5)
+    return np.array([40.0 + aside, -50.0 + aside, heading, 1.0])
 
 
 def _by_cross_aisle(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
@@ -49,5 +68,6 @@ ROADS: dict[str, Callable[[SitePoses, np.ndarray, np.ndarray], Poses]] = {
     "docks-6": _direct,
     "junction-4": _across_junction,
     "aisles-6": _by_cross_aisle,
+    "haul-road-4": _along_haul_road,
 }
 """The poses between start and goal, for each site."""

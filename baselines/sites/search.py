@@ -75,7 +75,8 @@ def find_drive(
         paths = []
         for _ in range(_SAMPLES):
             out, back = random.choice(straights[:3]), random.choice(straights)
-            vias = [pose + random.normal(size=3) * near for pose in guides]
+            noise = near * random.choice((0.3, 1.0))
+            vias = [pose + random.normal(size=3) * noise for pose in guides]
             vias = vias or [_sample(terms, random, start, goal)]
             ways = [(via, random.choice(_RADII)) for via in [*vias, None]]
             path = _join(terms, start, goal, out, back, ways)

@@ -14,6 +14,7 @@
 | ``docks-6`` | six HAVs in a yard: from waiting lanes through docks and back |
 | ``junction-4`` | four HAVs at a junction of two roads |
 | ``aisles-6`` | six tugger trains in a warehouse with aisles of 3 m |
+| ``haul-road-4`` | four long trucks on a two-way road between two loops |
 
 The fleets are the paper's where nothing else is said. Names from ``gate-2`` on are real places
 (``SITES``); their vehicles need ``vehicle="realistic"``. Everything else is in the docstrings of

@@ -5,5 +5,6 @@ SITE_VEHICLES = {
     "docks-6": ("eu-semi-trailer", "terminal-tractor"),
     "junction-4": ("eu-semi-trailer", "eu-truck-trailer"),
     "aisles-6": ("tugger-train",),
+    "haul-road-4": ("a-double", "b-double"),
 }
 """Names of vehicles by scenario, in the order of its fleet."""
