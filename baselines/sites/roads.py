@@ -67,6 +67,7 @@ ROADS: dict[str, Callable[[SitePoses, np.ndarray, np.ndarray], Poses]] = {
     "gate-2": _through_gate,
     "docks-6": _direct,
     "junction-4": _across_junction,
+    "parking-8": _direct,
     "aisles-6": _by_cross_aisle,
     "haul-road-4": _along_haul_road,
 }
