@@ -12,6 +12,7 @@ from hav_env.scenarios.site_poses import SitePoses
 
 Poses = list[np.ndarray]
 _ROUND_PILE = np.array([-55.0, 22.0, math.pi]), np.array([-118.0, 2.0, -math.pi / 2])
+_RING = 11.5  # [m] of the ring of guides in a roundabout
 
 
 def _through_gate(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
@@ -56,6 +57,18 @@ def _by_cross_aisle(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) ->
     return [np.array([x, y, heading, 1.0]) for x in sorted({first, last}, reverse=ahead < 0.0)]
 
 
+def _round_ring(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
+    """Come in the right lane, keep to the right round the island, leave by the right lane."""
+    arm, last = start[2] - math.pi, goal[2] - math.pi
+    quarters = round(((last - arm) % (2.0 * math.pi)) / (math.pi / 2))
+    ring = [
+        np.array([_RING * math.cos(angle), _RING * math.sin(angle), angle + math.pi / 2, 1.0])
+        for angle in (arm + (k + 0.5) * math.pi / 2 for k in range(quarters))
+    ]
+    come, leave = np.array([45.0, 2.0, math.pi]), np.array([48.0, -2.0, 0.0])
+    return [_turned(come, arm), *ring, _turned(leave, last)]
+
+
 def _turned(pose: np.ndarray, angle: float) -> np.ndarray:
     """Return a pose turned round the origin."""
     cosine, sine = math.cos(angle), math.sin(angle)
@@ -70,5 +83,6 @@ ROADS: dict[str, Callable[[SitePoses, np.ndarray, np.ndarray], Poses]] = {
     "parking-8": _direct,
     "aisles-6": _by_cross_aisle,
     "haul-road-4": _along_haul_road,
+    "roundabout-6": _round_ring,
 }
 """The poses between start and goal, for each site."""

@@ -16,6 +16,7 @@
 | ``aisles-6`` | six tugger trains in a warehouse with aisles of 3 m |
 | ``haul-road-4`` | four long trucks on a two-way road between two loops |
 | ``parking-8`` | eight HAVs in two rows of oblique places that they drive through |
+| ``roundabout-6`` | six HAVs at a roundabout with four arms |
 
 The fleets are the paper's where nothing else is said. Names from ``gate-2`` on are real places
 (``SITES``); their vehicles need ``vehicle="realistic"``. Everything else is in the docstrings of

@@ -1,6 +1,6 @@
 """This package has real places for scenarios: yards and roads, one file for each."""
 
-from hav_env.scenarios.sites import aisles, docks, gate, haul_road, junction, parking
+from hav_env.scenarios.sites import aisles, docks, gate, haul_road, junction, parking, roundabout
 from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 
 BUILDERS = {
@@ -10,6 +10,7 @@ BUILDERS = {
     "aisles-6": aisles.aisles,
     "haul-road-4": haul_road.haul_road,
     "parking-8": parking.parking,
+    "roundabout-6": roundabout.roundabout,
 }
 """Functions that return the scenarios, by name."""
 

@@ -7,5 +7,6 @@ SITE_VEHICLES = {
     "parking-8": ("eu-semi-trailer", "eu-truck-trailer"),
     "aisles-6": ("tugger-train",),
     "haul-road-4": ("a-double", "b-double"),
+    "roundabout-6": ("eu-semi-trailer", "farm-train"),
 }
 """Names of vehicles by scenario, in the order of its fleet."""
