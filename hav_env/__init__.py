@@ -15,7 +15,7 @@ from hav_env.mdp.reward import Reward, reward_terms
 from hav_env.mdp.site_reward import SiteReward
 from hav_env.models.names import find_model
 from hav_env.observation import Observation
-from hav_env.places import Site, build_site
+from hav_env.places import Site, build_site, load_site
 from hav_env.policies import (
     PolicyDriver,
     act,
@@ -92,6 +92,7 @@ __all__ = [
     "find_scenario",
     "heard",
     "load_explicit",
+    "load_site",
     "make_policy",
     "memory_size",
     "move",

@@ -1,4 +1,4 @@
-"""This module is the command line ``python -m hav_env play | compile``."""
+"""This module is the command line ``python -m hav_env play | compile | site``."""
 
 import sys
 
@@ -7,6 +7,7 @@ from hav_env.cli.errors import report_errors
 _COMMANDS = {
     "play": "drive one HAV by keyboard among others",
     "compile": "compile all policies, scenarios and environments ahead of time",
+    "site": "say what a file of a site holds, and draw it",
 }
 
 
@@ -32,6 +33,10 @@ def _dispatch(arguments: list[str]) -> None:
         from hav_env.cli.play import Play, play  # noqa: PLC0415
 
         play(parse_options(Play, usage, _COMMANDS[command], rest))
+    elif command == "site":
+        from hav_env.cli.site import DescribeSite, describe_site  # noqa: PLC0415
+
+        describe_site(parse_options(DescribeSite, usage, _COMMANDS[command], rest))
     else:
         from hav_env.cli.compile import Compile, compile_all  # noqa: PLC0415
 

@@ -97,7 +97,7 @@ class Findings(NamedTuple):
     """The outcome of a policy in a scenario."""
 
     harmed: tuple[Interval, ...]
-    """Share of HAVs to which each event of ``HARM`` happened."""
+    """Share of HAVs to which each event of ``HARM`` happened; of those alone that can happen."""
     hits: tuple[Interval, ...]
     """Share of HAVs that hit each goal."""
     size: int
@@ -151,15 +151,15 @@ def run_all(runs: list[Run], sample: Sample) -> str:
     jobs = [_job(run, sample) for run in runs]
     for job in jobs:
         check_experiments(job, sample.threads)
-    rows = [list(HEAD)]
+    outcomes = []
     with sole_user(sample.output):
         with Progress(sum(job.num_episodes for job in jobs)) as progress:
             how = sample.threads, sample.overwrite, progress.advance
             for run, job in zip(runs, jobs, strict=True):
                 path = run_experiments(job, sample.output, run.label, *how)
                 found = look_at(pq.read_table(path), job.scenario.fleet)
-                rows.append(row_of(run.entry.scenario, run.name, found))
-        report = markdown(rows)
+                outcomes.append((run.entry.scenario, run.name, found))
+        report = markdown(rows_of(outcomes))
         write_text(report, sample.output / "report.md")
     return report
 
@@ -196,7 +196,11 @@ def look_at(table: pa.Table, fleet) -> Findings:
     episodes = table["episode"].to_numpy()[~apart]
     done, started = ~apart & hit.all(0) & (steep.sum(0) > 0), ~apart & hit[0]
     return Findings(
-        tuple(proportion(column(table, event.name)[~apart], episodes) for event in HARM),
+        tuple(
+            proportion(column(table, event.name)[~apart], episodes)
+            for event in HARM
+            if event.name in table.column_names
+        ),
         tuple(proportion(row[~apart], episodes) for row in hit),
         int((~apart).sum()),
         int(apart.sum()) // num_havs,
@@ -210,27 +214,30 @@ def _share(part: float, whole: float) -> float:
     return float(part / whole) if whole > 0 else math.nan
 
 
-HEAD = (
-    "scenario",
-    "policy",
-    "HAVs",
-    *(event.state for event in HARM),
-    "goal 1",
-    "goal 2",
-    "time / shortest",
-    "apart: worlds, goals hit",
-)
+def rows_of(outcomes: list[tuple[str, str, Findings]]) -> list[list[str]]:
+    """Return the rows of the table, the head first.
+
+    Args:
+        outcomes: scenario, policy and what came of it, for each row.
+    """
+    # obstacles have their event, which comes last, where a scenario has some
+    told = max((len(found.harmed) for _, _, found in outcomes), default=0)
+    head = ["scenario", "policy", "HAVs", *(event.state for event in HARM[:told])]
+    head += ["goal 1", "goal 2", "time / shortest", "apart: worlds, goals hit"]
+    return [head, *(_row_of(*outcome, told) for outcome in outcomes)]
 
 
-def row_of(scenario: str, policy: str, found: Findings) -> list[str]:
-    """Return a row of the table."""
+def _row_of(scenario: str, policy: str, found: Findings, told: int) -> list[str]:
+    """Return a row of the table, which tells of so many events."""
     time = found.stable if math.isnan(found.steep) else found.steep
     hits = ", ".join(map(str, found.hits_apart))
+    harmed = [share.show(percent=True) for share in found.harmed]
     return [
         scenario,
         policy,
         str(found.size),
-        *(share.show(percent=True) for share in (*found.harmed, *found.hits)),
+        *(harmed + ["-"] * (told - len(harmed))),
+        *(share.show(percent=True) for share in found.hits),
         f"{time:.3f}",
         f"{found.apart}: {hits}" if found.apart else "0",
     ]

@@ -1,12 +1,17 @@
-"""This module draws HAVs into plots: the line of their axles and hitches, or their rectangles."""
+"""This module draws HAVs and obstacles into plots: lines of axles and hitches, or rectangles."""
 
 from typing import Any
 
 import numpy as np
 
 from baselines.replay.trajectory import Trajectory, body_corners, chain_points, front_points
+from hav_env.rendering.scene import struck_in
+from hav_env.world.arrays import NEVER, OBSTACLE, WHEN
 
 DARK = "#333333"
+_ALERT = "#B0003A"
+_OBSTACLES: dict[str, Any] = {"color": DARK, "lw": 1.2, "label": "obstacles"}
+_STRUCK: dict[str, Any] = {"color": _ALERT, "lw": 2.0, "label": "obstacle that was hit"}
 
 
 def draw_units(axes: Any, trajectory: Trajectory, hav: int, row: int, color: Any) -> None:
@@ -37,10 +42,43 @@ def draw_units(axes: Any, trajectory: Trajectory, hav: int, row: int, color: Any
     axes.plot(*points[:2].T, "-", color=color, lw=2.8, zorder=5, solid_capstyle="butt")
 
 
-def explain_units(trajectory: Trajectory) -> list[dict[str, Any]]:
-    """Return the entries of a legend for what ``draw_units`` draws, as arguments of Line2D."""
+def draw_obstacles(axes: Any, trajectory: Trajectory, last: int) -> None:
+    """Draw all obstacles; those far away do not widen the axes.
+
+    Args:
+        axes: of a plot.
+        trajectory: the states.
+        last: obstacles that HAVs hit first until this step have another colour.
+    """
+    if len(trajectory.segment):
+        from matplotlib.collections import LineCollection  # noqa: PLC0415  others say it is missing
+
+        lines, struck = trajectory.segment.reshape(-1, 2, 2), _struck(trajectory, last)
+        for chosen, style in ((lines, _OBSTACLES), (lines[struck], _STRUCK)):
+            axes.add_collection(LineCollection(list(chosen), zorder=5.5, **style), autolim=False)
+
+
+def explain_drawn(trajectory: Trajectory, last: int) -> list[dict[str, Any]]:
+    """Return the entries of a legend for what is drawn, as arguments of Line2D.
+
+    Args:
+        trajectory: the states.
+        last: step until which obstacles were hit, as of ``draw_obstacles``.
+    """
+    obstacles = [_OBSTACLES] * (len(trajectory.segment) > 0)
+    obstacles += [_STRUCK] * bool(_struck(trajectory, last))
     if trajectory.shape is None:
-        return [{"color": DARK, "lw": 1, "marker": "o", "ms": 2, "label": "trailers and axles"}]
+        line = {"color": DARK, "lw": 1, "marker": "o", "ms": 2, "label": "trailers and axles"}
+        return [line, *obstacles]
     mark: dict[str, Any] = {"color": DARK, "ls": "", "mew": 0.5}
     axles, hitches = {"marker": "o", "ms": 2}, {"marker": "+", "ms": 4}
-    return [mark | axles | {"label": "axles"}, mark | hitches | {"label": "hitches"}]
+    return [mark | axles | {"label": "axles"}, mark | hitches | {"label": "hitches"}, *obstacles]
+
+
+def _struck(trajectory: Trajectory, last: int) -> list[int]:
+    """Return which obstacles HAVs hit first until a step."""
+    struck = struck_in(trajectory.first)
+    if struck is None:
+        return []
+    when = trajectory.first[:, OBSTACLE, WHEN]
+    return np.unique(struck[(when != NEVER) & (when <= last)]).tolist()

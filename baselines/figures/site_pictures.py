@@ -31,7 +31,7 @@ from baselines.sites.follow import places_in
 from hav_env import Batch
 from hav_env.cli.options import run_command
 from hav_env.models.text import visible
-from hav_env.places import BOUNDARY, LINE, outlines_of
+from hav_env.places import BOUNDARY, LINE, chains_of
 from hav_env.scenarios.presets import SITES
 from hav_env.scenarios.sites import SITE_VEHICLES
 from hav_env.vehicles import VEHICLES as MODELS
@@ -94,7 +94,7 @@ def draw_site(name: str, paths: list[Path]) -> Figure:
     x0, y0, x1, y1 = scenario.site.bounds
     figure = new_figure(min(_HIGHEST, _WIDTH * (y1 - y0) / (x1 - x0)) + 0.5)
     axes = figure.subplots()
-    for kind, points in outlines_of(scenario.site):
+    for kind, points in chains_of(scenario.site):
         if kind in (BOUNDARY, LINE):
             axes.plot(*points.T, color=DARK, lw=1.0, zorder=3)
         else:

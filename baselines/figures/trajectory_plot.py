@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from baselines.cli.markup import plot_text
-from baselines.figures.drawn_havs import DARK, draw_units, explain_units
+from baselines.figures.drawn_havs import DARK, draw_obstacles, draw_units, explain_drawn
 from baselines.figures.representative_episodes import Excerpt
 from baselines.replay.trajectory import Trajectory, chain_points, front_points
 from baselines.storage.atomic_files import whole_file
@@ -149,6 +149,7 @@ def draw_episode(
         if excerpt.evading:
             center = trajectory.x[moment, hav], trajectory.y[moment, hav]
             axes.add_patch(Circle(center, trajectory.footprint[hav], **_footprint_style(hav)))
+    draw_obstacles(axes, trajectory, int(trajectory.step[rows[-1]]))
     if excerpt.joint is not None:
         hav, joint = excerpt.joint
         x, y = front_points(trajectory, hav, moment)[joint]
@@ -275,7 +276,8 @@ def _legend(trajectory: Trajectory, rows: np.ndarray, excerpt: Excerpt, task: Ta
         if len(trajectory.num_trailers) > 1:
             name = f"HAV {hav}: {name}"
         handles.append(Line2D([], [], color=_color(hav), lw=2.8, label=name))
-    handles += [Line2D([], [], **style) for style in explain_units(trajectory)]
+    last = int(trajectory.step[rows[-1]])
+    handles += [Line2D([], [], **style) for style in explain_drawn(trajectory, last)]
     for goal in np.unique(trajectory.phase[rows]):
         label = f"truck's path to goal {goal + 1}"
         handles.append(Line2D([], [], color=line, label=label, **_path_style(goal)))

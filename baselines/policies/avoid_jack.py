@@ -34,7 +34,9 @@ from hav_env.world.sensing import (
     neighbor_point,
     neighbor_point_distance,
     num_neighbors,
+    num_obstacles,
     num_trailers,
+    obstacle_point,
     own_footprint,
     steering_direction,
     unit_length,
@@ -84,6 +86,11 @@ class AvoidJack(NamedTuple):
     otherwise the one whose circle is entered deepest. The paper gives priority to "the first
     detected HAV that initiates evasion"; of those detected in one step, it is the deepest."""
 
+    obstacle_factor: Factor = 2.0
+    """Collision distance of obstacles, in lengths of the truck. The paper models obstacles as point
+    masses with a defined collision distance, and tries none. The point is the nearest one to the
+    truck's rear axle. It is evaded before any HAV."""
+
 
 _TINY = 1e-12  # m, keeps the direction away from a HAV at the same place finite
 # What a HAV remembers: 1 + the number of the HAV being evaded, 0 for none; and while it decides:
@@ -122,6 +129,7 @@ def avoid_jack(policy, memory, world, agent, speed, steering):
         for lane in range(world.lanes):
             if not world.state.waiting[agent, lane]:
                 _evade(policy, memory, world, agent, lane)
+    _evade_obstacles(policy, memory, world, agent)
     _add_weights(policy, memory, world, agent)
     for lane in range(world.lanes):
         weight = memory[agent, WEIGHT, lane]
@@ -159,13 +167,34 @@ def _evade(policy, memory, world, agent, lane):
     if evaded >= 0:
         share = policy.evasion_center if policy.evasion_from_center else 0.0
         forward, left = neighbor_point(world, agent, evaded, share, lane)
-        distance = max(math.sqrt(forward * forward + left * left), _TINY)
-        ahead, aside = -forward / distance, -left / distance
-        cosine, sine = steering_direction(world, agent, lane)
-        if policy.evasion_clipped and ahead < cosine:
-            ahead, aside = cosine, sine if aside >= 0.0 else -sine
-        memory[agent, VECTOR_FORWARD, lane] = ahead
-        memory[agent, VECTOR_LEFT, lane] = aside
+        _turn_away(policy, memory, world, agent, forward, left, lane)
+
+
+@kernel
+def _evade_obstacles(policy, memory, world, agent):
+    """Replace the vector by one away from the nearest obstacle, where one is too near."""
+    for lane in range(world.lanes):
+        distance = policy.obstacle_factor * unit_length(world, agent, 0, lane)
+        least, nearest_forward, nearest_left = distance * distance, 0.0, 0.0
+        for k in range(num_obstacles(world, agent, lane)):
+            forward, left = obstacle_point(world, agent, k, lane)
+            squared = forward * forward + left * left
+            if squared < least:
+                least, nearest_forward, nearest_left = squared, forward, left
+        if least < distance * distance:
+            _turn_away(policy, memory, world, agent, nearest_forward, nearest_left, lane)
+
+
+@kernel
+def _turn_away(policy, memory, world, agent, forward, left, lane):
+    """Replace the goal vector by one away from a point: forward [m], left [m]."""
+    distance = max(math.sqrt(forward * forward + left * left), _TINY)
+    ahead, aside = -forward / distance, -left / distance
+    cosine, sine = steering_direction(world, agent, lane)
+    if policy.evasion_clipped and ahead < cosine:
+        ahead, aside = cosine, sine if aside >= 0.0 else -sine
+    memory[agent, VECTOR_FORWARD, lane] = ahead
+    memory[agent, VECTOR_LEFT, lane] = aside
 
 
 @kernel

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from baselines.replay.trajectory import Trajectory
-from hav_env.rendering.scene import Scene, find_potential
+from hav_env.rendering.scene import Scene, find_potential, struck_in
 from hav_env.world.arrays import NEVER, WHEN
 
 
@@ -23,6 +23,7 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
     def has_happened(steps: np.ndarray) -> np.ndarray:
         return (steps != NEVER) & (steps * trajectory.dt <= time + 1e-9)
 
+    happened = has_happened(trajectory.first[..., WHEN])
     x, y = between(trajectory.x), between(trajectory.y)
     phase = trajectory.phase[row]
     removed = trajectory.removed[row]
@@ -46,10 +47,12 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         num_goals=trajectory.goals.shape[1],
         waiting=trajectory.waiting[row],
         removed=removed,
-        happened=has_happened(trajectory.first[..., WHEN]),
+        happened=happened,
         potential=find_potential(x, y, trajectory.footprint, ~removed),
         evaded=trajectory.evaded[row],
         command=np.nan_to_num(np.stack([trajectory.speed[row], trajectory.steering[row]], axis=1)),
+        segment=trajectory.segment,
+        struck=struck_in(np.where(happened[..., None], trajectory.first, NEVER)),
     )
 
 

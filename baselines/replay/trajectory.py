@@ -13,6 +13,7 @@ from hav_env.policies.interface import check_models
 from hav_env.vehicles import OnAxle
 from hav_env.world.arrays import ARTICULATION, FOOTPRINT, HIT_STEP
 from hav_env.world.chain import axles_of, corners_of, fronts_of
+from hav_env.world.place.reading import segments_in
 from hav_env.world.units.reading import limits_in, offsets_in, shapes_in
 
 
@@ -40,7 +41,8 @@ class Trajectory(NamedTuple):
     footprint: np.ndarray  # (N,) radius d_i [m]
     articulation_max: np.ndarray  # (N, U) jackknifed beyond it [rad]; void for trucks
     goals: np.ndarray  # (N, G, 3) x [m], y [m], heading [rad]
-    first: np.ndarray  # (N, E, 2) rows of EVENTS: WHEN (step) and WHERE, or NEVER
+    segment: np.ndarray  # (S, 4) obstacles: x, y of one end, x, y of the other [m]; S may be 0
+    first: np.ndarray  # (N, E, 2) WHEN (step) and WHERE, or NEVER, of ``events_in(first)``
     hit_step: np.ndarray  # (N, G) at which each goal was hit, or NEVER
     dt: float  # duration of a step [s]
     policy: str  # a name to be shown, like the next
@@ -89,6 +91,7 @@ def record_trajectory(
         footprint=fleet.radius[:, FOOTPRINT, 0].copy(),
         articulation_max=limits_in(fleet, 0, fleet.limit[:, ARTICULATION, 0]),
         goals=batch.worlds.goals[..., 0].copy(),
+        segment=segments_in(batch.worlds.place, 0),
         first=record.first[..., 0].copy(),
         hit_step=record.goal[:, :, HIT_STEP, 0].astype(np.int64),
         dt=float(task.dt),

@@ -12,15 +12,17 @@ import numpy as np
 from baselines.replay.trajectory import Trajectory
 from baselines.storage.archives import Head, one_line, read_archive
 from baselines.storage.atomic_files import whole_file
+from hav_env.places.site import MOST_SEGMENTS
 from hav_env.world.arrays import NEVER, WHEN, WHERE
-from hav_env.world.event_table import EVENTS
+from hav_env.world.event_table import EVENTS, events_in
 
-_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 3
+_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 4
 _MOST_BYTES_KEPT = 1 << 29  # unpacked
 _HEADS = 1 << 16  # [bytes] at most, of all arrays
 _MOST_METRES = 1e9  # [m], [rad]: beyond it nothing is meant
 _MOST_SECONDS = 1e6  # [s] of an episode
 _LONGEST_NAME = 200  # characters
+_EVENTS_IN_PLANE = sum(not event.obstacles for event in EVENTS)
 # of every field: NumPy's kinds of numbers that are allowed, and its shape
 _LAYOUT = {
     "step": ("iu", "T"),
@@ -41,6 +43,7 @@ _LAYOUT = {
     "footprint": ("f", "N"),
     "articulation_max": ("f", "NU"),
     "goals": ("f", "NG3"),
+    "segment": ("f", "S4"),
     "first": ("i", "NE2"),
     "hit_step": ("i", "NG"),
     "dt": ("f", ""),
@@ -109,7 +112,9 @@ def _read(file: BinaryIO) -> Trajectory:
 def _check_shapes(heads: dict[str, Head]) -> None:
     """Check the shapes before anything is read: of what belongs together they are the same."""
     lines = heads["shape"].shape[-1:] == (0,)
-    sizes = {"2": 2, "3": 3, "E": len(EVENTS), "B": 0 if lines else 3}
+    sizes = {"2": 2, "3": 3, "4": 4, "B": 0 if lines else 3}
+    if heads["first"].shape[1:2] != (_EVENTS_IN_PLANE,):
+        sizes["E"] = len(EVENTS)
     for name, (_, axes) in _LAYOUT.items():
         shape = heads[name].shape
         # the first array that has an axis says how long it is
@@ -125,9 +130,8 @@ def _check(trajectory: Trajectory) -> None:
     if not trajectory.x.size or not trajectory.goals.size:
         raise ValueError("no state or no HAV")
     present = np.arange(units) <= trajectory.num_trailers[:, None]
-    joints = trajectory.first[:, [event.row for event in EVENTS if event.place == "joint"], WHERE]
-    partners = trajectory.first[:, [event.row for event in EVENTS if event.company], WHERE]
-    others = np.concatenate([trajectory.evaded.ravel(), partners.ravel()])
+    joints, struck = _places_of(trajectory, "joint"), _places_of(trajectory, "segment")
+    others = np.concatenate([trajectory.evaded.ravel(), _places_of(trajectory, "partner")])
     when = np.concatenate([trajectory.hit_step.ravel(), trajectory.first[..., WHEN].ravel()])
     lengths, limits = trajectory.length[present], trajectory.articulation_max[:, 1:][present[:, 1:]]
     bodies = np.zeros(0) if trajectory.shape is None else trajectory.shape[present]
@@ -147,6 +151,13 @@ def _check(trajectory: Trajectory) -> None:
         "a step that there is not": ((when >= NEVER) & (when <= trajectory.step[-1])).all(),
         "a HAV that there is not": ((others >= NEVER) & (others < havs)).all(),
         "a joint that there is not": ((joints >= NEVER) & (joints < units)).all(),
+        "too many obstacles": len(trajectory.segment) <= MOST_SEGMENTS,
+        "an obstacle that there is not": (
+            (struck >= NEVER) & (struck < len(trajectory.segment))
+        ).all(),
+        "obstacles without their event": (
+            len(trajectory.segment) == 0 or trajectory.first.shape[1] == len(EVENTS)
+        ),
         "a number that is too large or not finite": all(
             (np.abs(values) <= _MOST_METRES).all()
             for values in (
@@ -156,6 +167,7 @@ def _check(trajectory: Trajectory) -> None:
                 trajectory.offset[present],
                 trajectory.footprint,
                 trajectory.goals,
+                trajectory.segment,
                 # nothing is decided in the last state
                 np.nan_to_num(trajectory.speed, posinf=np.inf, neginf=-np.inf),
                 np.nan_to_num(trajectory.steering, posinf=np.inf, neginf=-np.inf),
@@ -171,3 +183,9 @@ def _check(trajectory: Trajectory) -> None:
     for complaint, holds in laws.items():
         if not holds:
             raise ValueError(complaint)
+
+
+def _places_of(trajectory: Trajectory, meaning: str) -> np.ndarray:
+    """Return where all events happened of which the place has a meaning, as "joint"."""
+    rows = [event.row for event in events_in(trajectory.first) if event.place == meaning]
+    return trajectory.first[:, rows, WHERE].ravel()

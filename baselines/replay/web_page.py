@@ -10,7 +10,7 @@ import numpy as np
 
 from baselines.replay.trajectory import Trajectory, chain_points
 from baselines.storage.atomic_files import write_text
-from hav_env.world.event_table import EVENTS
+from hav_env.world.event_table import events_in
 
 _STYLE, _SCRIPT, _EPISODE_SLOT = "__STYLE__", "__SCRIPT__", "__EPISODE__"  # where parts belong
 # what one function of JavaScript is put together from: each part uses what those before it define
@@ -19,6 +19,7 @@ _SCRIPTS = (
     "colors",
     "view",
     "plane",
+    "obstacles",
     "bodies",
     "vehicles",
     "chart",
@@ -78,7 +79,11 @@ def _pack(trajectory: Trajectory, speed: float) -> dict:
         "footprint": trajectory.footprint.tolist(),
         "articulationMax": of_units(trajectory.articulation_max),
         "goals": (trajectory.goals - [*origin, 0.0]).tolist(),
-        "events": [{key: getattr(event, key) for key in _SHOWN_OF_EVENTS} for event in EVENTS],
+        "segments": _encode(np.round(trajectory.segment - 2 * origin, 3), "<f4"),
+        "events": [
+            {key: getattr(event, key) for key in _SHOWN_OF_EVENTS}
+            for event in events_in(trajectory.first)
+        ],
         "first": trajectory.first.tolist(),
         "hitStep": trajectory.hit_step.tolist(),
         "step": _encode(trajectory.step, "<i4"),

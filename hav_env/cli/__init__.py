@@ -1,1 +1,1 @@
-"""This package holds the commands ``python -m hav_env play | compile`` and their options."""
+"""This package holds the commands ``python -m hav_env play | compile | site`` and their options."""

@@ -112,11 +112,9 @@ def drive(
 
 def _outcome(info: dict[str, Any]) -> str:
     """Say in a few words how an episode ended."""
-    flags = {
-        "is_success": "goals reached",
-        "jackknifed": "jackknifed",
-        "actual_collision": "collided",
-    }
+    from hav_env.world.event_table import HARM  # noqa: PLC0415  takes the compiler's time
+
+    flags = {"is_success": "goals reached", **{event.name: event.state for event in HARM}}
     told = [text for flag, text in flags.items() if info.get(flag)]
     return ", ".join(told) or "time is over"
 

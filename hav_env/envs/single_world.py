@@ -12,6 +12,7 @@ from hav_env.envs.screen import Screen
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.scenarios import Explicit, explicit
+from hav_env.scenarios.clearance import site_in
 from hav_env.scenarios.given_vehicles import bends_in, vehicle_in
 from hav_env.simulator.batch import begin_worlds, check_parts, check_placed, check_seed
 from hav_env.simulator.beginning import begin
@@ -184,6 +185,7 @@ class SingleWorld:
             steering_max=limit[STEERING],
             articulation_max=limit[ARTICULATION],
             footprint_truck_share=scenario.fleet.footprint_truck_share,
+            site=site_in(scenario, worlds.place, 0),
         )
         for field, name in (("num_havs", "HAVs"), ("num_goals", "goals of each HAV")):
             if getattr(found, field) != getattr(scenario, field):

@@ -21,7 +21,7 @@ from hav_env.observation.scratch import (
     SEEN_Y,
 )
 from hav_env.world.chain import ends_behind, front_axle
-from hav_env.world.obstacles.nearest import nearest_of_segment
+from hav_env.world.obstacles.nearest import obstacle_point
 from hav_env.world.obstacles.rays import (
     ahead_of,
     may_be_within,
@@ -33,9 +33,9 @@ from hav_env.world.obstacles.rays import (
 from hav_env.world.other_havs import FRONT_X, FRONT_Y
 from hav_env.world.place.segments import Obstacles, Plane
 
-OBSTACLE_COLUMNS = (Column("present"), *place_columns(""))
-_AT = places_of(OBSTACLE_COLUMNS)
-OBSTACLE_SIZE = len(OBSTACLE_COLUMNS)
+POINT_COLUMNS = (Column("present"), *place_columns(""))
+_AT = places_of(POINT_COLUMNS)
+OBSTACLE_SIZE = len(POINT_COLUMNS)
 _NOBODY_SQUARED = 1e20  # [m^2], farther than any segment is but those that a world does not have
 
 _to_segment, _to_rectangle = in_single(to_segment), in_single(to_rectangle)
@@ -47,7 +47,7 @@ def obstacle_columns(obstacles: int, rays: int) -> list[Column]:
     found = [
         column._replace(name=f"obstacle_{k}_{column.name}")
         for k in range(obstacles)
-        for column in OBSTACLE_COLUMNS
+        for column in POINT_COLUMNS
     ]
     return found + [Column(f"ray_{r}") for r in range(rays)]
 
@@ -114,7 +114,7 @@ def _look_at_segment(world, agent, segment, rows, farthest):
     """Write where a segment is nearest; return in how many lanes it is nearer than the farthest."""
     nearer = 0
     for lane in range(world.lanes):
-        forward, left = nearest_of_segment(world, agent, segment, lane)
+        forward, left = obstacle_point(world, agent, segment, lane)
         rows[POINT_FORWARD, lane], rows[POINT_LEFT, lane] = forward, left
         rows[POINT_SQUARED, lane] = forward * forward + left * left
     for lane in range(world.lanes):
@@ -193,7 +193,7 @@ def _cast_at_segments(place, observation, world, agent, scratch, columns, first)
     for number in range(_most_segments(place, world)):
         segment, within = fixed(number), 0
         for lane in range(world.lanes):
-            forward, left = nearest_of_segment(world, agent, segment, lane)
+            forward, left = obstacle_point(world, agent, segment, lane)
             within += forward * forward + left * left <= squared_range
         if within == 0:
             continue

@@ -1,5 +1,25 @@
 """This package has places: obstacles and bounds of sites, built by hand or read from maps."""
 
-from hav_env.places.site import BOUNDARY, LINE, NOWHERE, POLYGON, Site, build_site, outlines_of
+from hav_env.places.loading import load_site
+from hav_env.places.site import (
+    BOUNDARY,
+    LINE,
+    NOWHERE,
+    POLYGON,
+    Site,
+    build_site,
+    chains_of,
+    is_inside,
+)
 
-__all__ = ["BOUNDARY", "LINE", "NOWHERE", "POLYGON", "Site", "build_site", "outlines_of"]
+__all__ = [
+    "BOUNDARY",
+    "LINE",
+    "NOWHERE",
+    "POLYGON",
+    "Site",
+    "build_site",
+    "chains_of",
+    "is_inside",
+    "load_site",
+]

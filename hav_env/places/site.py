@@ -1,21 +1,21 @@
 """This module has sites: the walls, buildings, kerbs and bounds among which HAVs drive."""
 
-import math
-from collections.abc import Sequence
-from typing import Annotated, Any, NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from hav_env.compiled import kernel
-from hav_env.models.annotations import Range, is_number, show, split_range
+from hav_env.models.annotations import Range
 from hav_env.models.checks import check_relations
-from hav_env.models.quantities import Coordinate
+from hav_env.places.outlines import read_chain, read_circle, read_ring
 
 BOUNDARY, POLYGON, LINE = range(3)  # kinds of outlines: keep inside, keep outside, keep off
-_CIRCLE_SIDES = 16
 MOST_SEGMENTS = 100_000
 
 Ends = Annotated[np.ndarray, Range(-1e8, 1e8, "m")]
+Outline = tuple[int, Sequence[np.ndarray]]
+"""A kind, and chains of points (P, 2) [m]: one, or the rings of a polygon with holes."""
 
 
 class Site(NamedTuple):
@@ -39,10 +39,10 @@ class Site(NamedTuple):
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """Least x, least y, greatest x, greatest y [m] of all segments."""
+        """Least x, least y, greatest x, greatest y [m] of all segments; inf first if none."""
         points = self.segment.reshape(-1, 2)
-        (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
-        return float(left), float(low), float(right), float(high)
+        low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
+        return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
 NOWHERE = Site(np.zeros((0, 4)), np.zeros(0, np.int64), np.zeros(0, np.int64))
@@ -55,11 +55,15 @@ def _(site: Site) -> None:
         raise ValueError(f"site segment has shape {segment.shape}, but must have (S, 4)")
     if len(segment) > MOST_SEGMENTS:
         told = f"site has {len(segment)} segments"
-        raise ValueError(f"{told}, but must have at most {MOST_SEGMENTS}: simplify its outlines")
+        raise ValueError(
+            f"{told}, but must have at most {MOST_SEGMENTS}: a greater tolerance helps"
+        )
     if outline.shape != (len(segment),) or kind.ndim != 1:
         raise ValueError("site outline must have one number for each segment, and kind one axis")
+    if outline.dtype.kind not in "iu" or kind.dtype.kind not in "iu":
+        raise ValueError("site outline and kind must be arrays of whole numbers")
     ascending = np.array_equal(np.unique(outline), np.arange(len(kind)))
-    if not (ascending and (np.diff(outline, prepend=0) >= 0).all()):
+    if not (ascending and (np.diff(outline.astype(np.int64)) >= 0).all()):
         raise ValueError("site outline must ascend from 0, with a kind for each of its numbers")
     if not np.isin(kind, (BOUNDARY, POLYGON, LINE)).all():
         raise ValueError("site kind must hold BOUNDARY (0), POLYGON (1) or LINE (2) alone")
@@ -84,25 +88,25 @@ def build_site(
         TypeError: naming what is no list or no number.
         ValueError: naming the outline, and what is wrong with it.
     """
-    outlines: list[tuple[int, np.ndarray]] = []
+    outlines: list[Outline] = []
     if boundary is not None:
-        outlines.append((BOUNDARY, _read_ring("boundary", boundary)))
+        outlines.append((BOUNDARY, [read_ring("boundary", boundary)]))
     for k, ring in enumerate(polygons):
-        outlines.append((POLYGON, _read_ring(f"polygons[{k}]", ring)))
+        outlines.append((POLYGON, [read_ring(f"polygons[{k}]", ring)]))
     for k, chain in enumerate(lines):
-        points = read_points(f"lines[{k}]", chain)
-        if len(points) < 2:
-            raise ValueError(f"lines[{k}] has {len(points)} points, but must have at least 2")
-        outlines.append((LINE, points))
+        outlines.append((LINE, [read_chain(f"lines[{k}]", chain)]))
     for k, circle in enumerate(circles):
-        outlines.append((POLYGON, _round_polygon(f"circles[{k}]", circle)))
+        outlines.append((POLYGON, [read_circle(f"circles[{k}]", circle)]))
     return join_outlines(outlines)
 
 
-def join_outlines(outlines: Sequence[tuple[int, np.ndarray]]) -> Site:
-    """Return the site of outlines, each its kind and its points (P, 2) [m].
+def join_outlines(outlines: Iterable[Outline]) -> Site:
+    """Return the site of outlines; rings have their first point at the end again.
 
-    Points that coincide with the one before are left out. Rings close by themselves.
+    Points that coincide with the one before are left out.
+
+    Args:
+        outlines: of any kind; a polygon with holes has a ring for each.
 
     Raises:
         ValueError: when there are too many segments.
@@ -110,9 +114,8 @@ def join_outlines(outlines: Sequence[tuple[int, np.ndarray]]) -> Site:
     segments: list[np.ndarray] = []
     owner: list[np.ndarray] = []
     kinds: list[int] = []
-    for kind, points in outlines:
-        ends = np.concatenate([points, points[:1]]) if kind != LINE else points
-        own = np.concatenate([ends[:-1], ends[1:]], axis=1)
+    for kind, chains in outlines:
+        own = np.concatenate([np.concatenate([c[:-1], c[1:]], axis=1) for c in chains])
         own = own[(own[:, :2] != own[:, 2:]).any(axis=1)]
         if len(own):
             segments.append(own)
@@ -129,78 +132,28 @@ def join_outlines(outlines: Sequence[tuple[int, np.ndarray]]) -> Site:
     return site
 
 
-def outlines_of(site: Site) -> list[tuple[int, np.ndarray]]:
-    """Return the outlines of a site: the kind and the points (P, 2) [m] of each.
+def chains_of(site: Site) -> list[tuple[int, np.ndarray]]:
+    """Return the chains of a site: the kind and the points (P, 2) [m] of each.
 
-    The last point of a ring is its first one again.
+    The last point of a ring is its first one again. A polygon with holes gives a chain for each of
+    its rings.
     """
+    follows = (site.segment[1:, :2] == site.segment[:-1, 2:]).all(axis=1)
+    cuts = np.flatnonzero(~(follows & (site.outline[1:] == site.outline[:-1]))) + 1
     found = []
-    for number, kind in enumerate(site.kind):
-        own = site.segment[site.outline == number]
-        found.append((int(kind), np.concatenate([own[:, :2], own[-1:, 2:]])))
+    for own in np.split(np.arange(site.num_segments), cuts) if site.num_segments else ():
+        ends = site.segment[own]
+        points = np.concatenate([ends[:, :2], ends[-1:, 2:]])
+        found.append((int(site.kind[site.outline[own[0]]]), points))
     return found
-
-
-def read_points(name: str, value: Any) -> np.ndarray:
-    """Return points (P, 2) [m] that a user gave.
-
-    Args:
-        name: of the outline, for messages.
-        value: value that the user gave.
-
-    Raises:
-        TypeError: when it is no list of pairs of numbers.
-        ValueError: when a number is not within the range of coordinates.
-    """
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, str | bytes) or not isinstance(value, Sequence):
-        raise TypeError(f"{name} is {show(value)}, but must be a list of points [x, y]")
-    for k, point in enumerate(value):
-        pair = isinstance(point, Sequence) and not isinstance(point, str | bytes)
-        if not pair or len(point) != 2 or not all(map(is_number, point)):
-            raise TypeError(f"{name}[{k}] is {show(point)}, but must be a point [x, y]")
-        _check_coordinates(f"{name}[{k}]", point)
-    return np.array(value, float).reshape(-1, 2)
-
-
-def _read_ring(name: str, value: Any) -> np.ndarray:
-    points = read_points(name, value)
-    if len(points) > 1 and (points[0] == points[-1]).all():
-        points = points[:-1]
-    if len(np.unique(points, axis=0)) < 3:
-        raise ValueError(f"{name} is {show(value)}, but must have at least 3 different corners")
-    return points
-
-
-def _round_polygon(name: str, circle: Any) -> np.ndarray:
-    """Return the corners of a regular polygon round a circle."""
-    listed = isinstance(circle, Sequence) and not isinstance(circle, str | bytes)
-    if not listed or len(circle) != 3 or not all(map(is_number, circle)):
-        raise TypeError(f"{name} is {show(circle)}, but must be [x, y, radius]")
-    x, y, radius = circle
-    _check_coordinates(name, (x, y, radius))
-    if not radius > 0.0:
-        raise ValueError(f"{name} has radius {show(radius)}, but must have one above 0 m")
-    angle = 2.0 * math.pi * (np.arange(_CIRCLE_SIDES) + 0.5) / _CIRCLE_SIDES
-    corner = radius / math.cos(math.pi / _CIRCLE_SIDES)
-    return np.stack([x + corner * np.cos(angle), y + corner * np.sin(angle)], axis=1)
-
-
-def _check_coordinates(name: str, numbers: Sequence[float]) -> None:
-    _, allowed = split_range(Coordinate)
-    assert allowed is not None
-    for number in numbers:
-        if not allowed.low <= number <= allowed.high:
-            raise ValueError(f"{name} holds {show(number)}, but must hold numbers {allowed.rule}")
 
 
 @kernel
 def is_inside(site, x, y):
     """Tell whether a place [m] is where HAVs may be: inside the boundary, outside all polygons.
 
-    A ray to the right crosses a ring an odd number of times from inside. On a segment either may
-    come out.
+    A ray to the right crosses the rings of an outline an odd number of times from inside. On a
+    segment either may come out.
     """
     inside, number, odd = True, -1, False
     for s in range(site.segment.shape[0]):

@@ -81,6 +81,34 @@ class Camera:
         return low, low + np.array([width, height])
 
 
+def clip_segments(
+    segments: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return which segments reach into a box, and the parts that lie in it.
+
+    It is the algorithm of Liang and Barsky, for all segments at once.
+
+    Args:
+        segments: (S, 4) x and y of one end, x and y of the other.
+        low: (2,) lower left corner of the box.
+        high: (2,) its upper right corner.
+
+    Returns:
+        (K,) numbers of the segments that do, ascending, and (K, 4) their parts.
+    """
+    start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.stack([low - start, high - start]) / along
+    # one that runs along an axis never enters or leaves, or is outside from end to end
+    outside = (along == 0.0) & ((start < low) | (start > high))
+    first = np.where(along == 0.0, 0.0, shares.min(axis=0)).max(axis=1, initial=0.0)
+    last = np.where(along == 0.0, 1.0, shares.max(axis=0)).min(axis=1, initial=1.0)
+    seen = np.flatnonzero((first <= last) & ~outside.any(axis=1))
+    start, along = start[seen], along[seen]
+    ends = [start + share[seen, None] * along for share in (first, last)]
+    return seen, np.concatenate(ends, axis=1)
+
+
 def box(rear: float, front: float, half: float) -> np.ndarray:
     """Return the corners (4, 2) of a box along a heading, to both sides of it [m]."""
     return np.array([(rear, -half), (front, -half), (front, half), (rear, half)])

@@ -77,6 +77,12 @@ class Canvas:
         for point in at:
             pygame.draw.circle(self._fine, color, point, half)
 
+    def lines(self, ends: np.ndarray, color: Color, width: float) -> None:
+        """Draw many thin straight lines (K, 4), from x and y to x and y, none far outside."""
+        draw, surface, thin = pygame.draw.line, self._fine, max(round(FINER * width), 1)
+        for x, y, to_x, to_y in (FINER * ends).tolist():
+            draw(surface, color, (x, y), (to_x, to_y), thin)
+
     def dash(self, start: np.ndarray, end: np.ndarray, color: Color, width: float = 1.0) -> None:
         """Draw a dashed line from a place to another one."""
         count = int(min(np.hypot(*(end - start)) / _DASH, _MOST_DASHES)) or 1

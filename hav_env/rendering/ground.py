@@ -1,15 +1,18 @@
-"""This module draws the ground below the HAVs: the grid, and the trails of the trucks."""
+"""This module draws the ground: the grid, the trails of the trucks, and obstacles."""
 
 import itertools
 
 import numpy as np
 
-from hav_env.rendering.camera import Camera, round_length
+from hav_env.rendering.camera import Camera, clip_segments, round_length
 from hav_env.rendering.canvas import Canvas
-from hav_env.rendering.colors import GRID, GROUND, color_of, mix
+from hav_env.rendering.colors import GRID, GROUND, INK, RED, color_of, mix
+from hav_env.rendering.scene import Scene
+from hav_env.world.arrays import NEVER
 
 _CELL = 60.0  # pixels, the least size of a cell of the grid
 _FADES = 5  # shades of a trail
+_SEGMENT_WIDTH = 2.0  # pixels, breadth of obstacles at any scale: no gap that can be seen closes
 
 
 def grid_spacing(camera: Camera) -> float:
@@ -47,3 +50,23 @@ def draw_trails(canvas: Canvas, camera: Camera, trails: np.ndarray, removed: np.
         for k, (first, last) in enumerate(itertools.pairwise(cuts)):
             faded = mix(GROUND, color_of(hav), 0.12 + 0.38 * (k + 1) / (len(cuts) - 1))
             canvas.stroke(points[first : last + 1, hav], faded, 1.5)
+
+
+def draw_segments(canvas: Canvas, camera: Camera, scene: Scene) -> None:
+    """Draw the obstacles that are in sight; those that HAVs hit first are red.
+
+    Args:
+        canvas: what to draw on.
+        camera: the view.
+        scene: the moment.
+    """
+    if not len(scene.segment):
+        return
+    border = 2.0 * _SEGMENT_WIDTH / camera.scale  # where lines are cut off is not seen
+    low, high = camera.seen()
+    seen, parts = clip_segments(scene.segment, low - border, high + border)
+    ends = camera.project(parts.reshape(-1, 2)).reshape(-1, 4)
+    canvas.lines(ends, INK, _SEGMENT_WIDTH)
+    struck = set() if scene.struck is None else set(scene.struck.tolist()) - {NEVER}
+    if struck:
+        canvas.lines(ends[np.isin(seen, list(struck))], RED, 1.5 * _SEGMENT_WIDTH)

@@ -21,8 +21,9 @@ from hav_env.world.event_table import HARM
 
 _EDGE = 12  # pixels between a panel and the edge, and within a panel
 _LISTED = 10  # HAVs up to which each has a line
-_LINE = 19  # pixels
+_TEXT_ROW = 19  # pixels
 _PANEL = 196  # pixels, breadth of the panels
+_BAR = 38  # pixels, breadth of the bar of a bend
 _ROOM = (560, 420)  # pixels that a picture needs for panels
 
 
@@ -49,13 +50,13 @@ def _draw_clock(canvas: Canvas, scene: Scene) -> float:
     for name, count in count_flags(scene).items():
         if count and name != "at goal":
             lines.append((f"{count} {name}", _HARM_COLORS.get(name, INK)))
-    height = 2 * _EDGE + 28 + _LINE * len(lines)
+    height = 2 * _EDGE + 28 + _TEXT_ROW * len(lines)
     canvas.panel(_EDGE, _EDGE, _PANEL, height)
     canvas.text(f"{scene.time:.1f} s", (2 * _EDGE, 2 * _EDGE - 2), 32)
     goals = f"goal {goals_shown(scene)} of {scene.num_goals}"
     canvas.text(goals, (_PANEL, 2 * _EDGE + 5), 18, DIM, "topright")
     for k, (text, color) in enumerate(lines):
-        canvas.text(text, (2 * _EDGE, 2 * _EDGE + 31 + _LINE * k), 18, color)
+        canvas.text(text, (2 * _EDGE, 2 * _EDGE + 31 + _TEXT_ROW * k), 18, color)
     return _EDGE + height
 
 
@@ -65,19 +66,19 @@ def _draw_list(canvas: Canvas, scene: Scene, top: float) -> float:
     Returns:
         Where the panel ends.
     """
-    height = 2 * _EDGE + _LINE * len(scene.x) - 4
+    height = 2 * _EDGE + _TEXT_ROW * len(scene.x) - 4
     canvas.panel(_EDGE, top, _PANEL, height)
     for hav in range(len(scene.x)):
-        middle = top + _EDGE + _LINE * (hav + 0.5) - 2
+        middle = top + _EDGE + _TEXT_ROW * (hav + 0.5) - 2
         gone = scene.removed[hav]
         canvas.dot((2 * _EDGE + 6, middle), 5.5, PALE if gone else color_of(hav))
         canvas.text(str(hav), (2 * _EDGE + 20, middle), 18, INK, "midleft")
         state, color = _state_of(scene, hav)
-        canvas.text(state, (2 * _EDGE + 40, middle), 18, color, "midleft")
+        canvas.text(state, (2 * _EDGE + 36, middle), 18, color, "midleft")
         if not gone:
             share = float(shares_of(scene, hav).max())
-            canvas.bar(_PANEL - 46, middle - 3, 46, 6, PALE)
-            canvas.bar(_PANEL - 46, middle - 3, 46 * min(share, 1.0), 6, color_of_bend(share))
+            canvas.bar(_PANEL - _BAR, middle - 3, _BAR, 6, PALE)
+            canvas.bar(_PANEL - _BAR, middle - 3, _BAR * min(share, 1.0), 6, color_of_bend(share))
     return top + height
 
 
@@ -85,9 +86,9 @@ def _draw_motion(canvas: Canvas, scene: Scene, top: float) -> None:
     """Write what is driven of what was commanded, for HAVs in which that differs."""
     lagging = [hav for hav in range(len(scene.x)) if lags_behind(scene, hav)]
     if lagging:
-        canvas.panel(_EDGE, top, _PANEL, 2 * _EDGE + _LINE * len(lagging) - 4)
+        canvas.panel(_EDGE, top, _PANEL, 2 * _EDGE + _TEXT_ROW * len(lagging) - 4)
     for line, hav in enumerate(lagging):
-        middle = top + _EDGE + _LINE * (line + 0.5) - 2
+        middle = top + _EDGE + _TEXT_ROW * (line + 0.5) - 2
         canvas.dot((2 * _EDGE + 6, middle), 5.5, color_of(hav))
         canvas.text(motion_shown(scene, hav), (2 * _EDGE + 20, middle), 14, INK, "midleft")
 
@@ -112,11 +113,11 @@ def _draw_events(canvas: Canvas, history: History) -> None:
     """Write what has happened lately, above the lower edge."""
     if not history.events:
         return
-    height = 2 * _EDGE + _LINE * len(history.events) - 6
+    height = 2 * _EDGE + _TEXT_ROW * len(history.events) - 6
     top = canvas.size[1] - _EDGE - height
     canvas.panel(_EDGE, top, _PANEL, height)
     for k, (time, text) in enumerate(history.events):
-        middle = top + _EDGE + _LINE * (k + 0.5) - 3
+        middle = top + _EDGE + _TEXT_ROW * (k + 0.5) - 3
         canvas.text(f"{time:.1f} s", (_EDGE + 58, middle), 16, DIM, "midright")
         harms = [color for state, color in _HARM_COLORS.items() if text.endswith(state)]
         color = harms[0] if harms else INK

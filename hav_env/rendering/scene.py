@@ -13,14 +13,19 @@ from hav_env.world.arrays import (
     FOOTPRINT,
     HIT_STEP,
     NEVER,
+    OBSTACLE,
     PHASE,
     STEP,
+    WHERE,
     World,
     is_removed,
 )
 from hav_env.world.chain import axles_of, corners_of, fronts_of
 from hav_env.world.event_table import HARM, Event, events_in, happened
+from hav_env.world.place.reading import segments_in
 from hav_env.world.units.reading import limits_in, offsets_in, shapes_in
+
+NO_SEGMENTS = np.zeros((0, 4))
 
 
 class Scene(NamedTuple):
@@ -48,6 +53,8 @@ class Scene(NamedTuple):
     potential: np.ndarray  # (N,) bool: in potential collision now, footprints overlap
     evaded: np.ndarray  # (N,) number of the HAV that it evades now, -1 for none or unknown
     command: np.ndarray | None = None  # (N, 2) commanded speed [m/s], steering [rad], if known
+    segment: np.ndarray = NO_SEGMENTS  # (S, 4) obstacles: x, y of one end, x, y of the other [m]
+    struck: np.ndarray | None = None  # (N,) segment that each HAV hit first, or NEVER
 
 
 def scene_of(
@@ -96,7 +103,18 @@ def scene_of(
         potential=find_potential(x, y, footprint, ~removed),
         evaded=np.where(waiting | removed, -1, known),
         command=command,
+        segment=segments_in(worlds.place, w),
+        struck=struck_in(first),
     )
+
+
+def struck_in(first: np.ndarray) -> np.ndarray | None:
+    """Return which segment each HAV hit first, (N,) or NEVER; None in a plane without obstacles.
+
+    Args:
+        first: (N, E, 2) of ``Record.first``.
+    """
+    return first[:, OBSTACLE, WHERE].copy() if first.shape[1] > OBSTACLE else None
 
 
 def find_potential(

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from hav_env.rendering.camera import Camera
+from hav_env.rendering.camera import Camera, clip_segments
 from hav_env.rendering.canvas import Canvas, pygame
-from hav_env.rendering.ground import draw_grid, draw_trails
+from hav_env.rendering.ground import draw_grid, draw_segments, draw_trails
 from hav_env.rendering.history import History
 from hav_env.rendering.marks import (
     draw_evasion,
@@ -31,6 +31,7 @@ from hav_env.rendering.window import Window
 DRAWN_MODES = ("human", "rgb_array")
 _FEW_WAYS = 4  # HAVs up to which lines lead to their goals
 _BORDER = 0.09  # of the picture's height that is kept free round what is seen
+_NEARBY = 8.0  # m round HAVs and goals in which obstacles are in the picture too
 _ZOOM = 1.25  # of one press of a key
 _MOST_PIXELS = 8_192  # of a side: the canvas is twice as large
 _MOST_FRAMES = 1_000  # in a second: pygame's clock counts milliseconds
@@ -182,6 +183,7 @@ class Viewer:
         for layer, havs in layers:
             for hav in havs:
                 layer(canvas, camera, scene, hav)
+        draw_segments(canvas, camera, scene)
         if self.follow is not None and self.follow in present:
             draw_way_out(canvas, camera, scene, self.follow)
         canvas.shrink()
@@ -198,7 +200,7 @@ class Viewer:
         return present[seen]
 
     def _aim(self, scene: Scene, present: np.ndarray) -> None:
-        """Aim the camera at the HAV to be followed, or at all HAVs and goals."""
+        """Aim the camera at the HAV to be followed, or at all HAVs, goals and obstacles near."""
         if not len(present):
             return
         if self.follow is not None and self.follow in present:
@@ -212,5 +214,12 @@ class Viewer:
             corners_of_all = [found.reshape(-1, 2) for found in outlines if found is not None]
             goals = [scene.goal[present, :2], goal_tips(scene, present)]
             points = np.concatenate([*axles, *corners_of_all, *goals])
-            corners = points.min(axis=0), points.max(axis=0)
+            corners = _with_nearby(scene, points.min(axis=0), points.max(axis=0))
         self._camera.aim(*corners, margin=_BORDER * self.size[1], zoom=self._zoom)
+
+
+def _with_nearby(scene: Scene, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the corners (2,) of a box [m], grown by the parts of obstacles that are near it."""
+    _, parts = clip_segments(scene.segment, low - _NEARBY, high + _NEARBY)
+    points = np.concatenate([[low, high], parts.reshape(-1, 2)])
+    return points.min(axis=0), points.max(axis=0)

@@ -27,10 +27,10 @@ from hav_env.scenarios.column import Column, populate_column
 from hav_env.scenarios.crossing import Crossing, populate_crossing
 from hav_env.scenarios.explicit import Explicit, explicit, populate_explicit
 from hav_env.scenarios.explicit_files import load_explicit
-from hav_env.scenarios.field import Field, populate_field
 from hav_env.scenarios.fleets import RandomFleet
 from hav_env.scenarios.random_poses import RandomPoses, populate_random_poses
 from hav_env.scenarios.site_poses import SitePoses, populate_site_poses, site_poses
+from hav_env.scenarios.sites.field import Field, populate_field
 from hav_env.scenarios.yard import Yard, populate_yard
 from hav_env.world.arrays import World
 

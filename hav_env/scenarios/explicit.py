@@ -10,7 +10,8 @@ from hav_env.compiled import canonical
 from hav_env.models.annotations import Range, kinds_of, show
 from hav_env.models.checks import check_fields, check_relations, check_value
 from hav_env.models.quantities import Articulation, Goals, Havs, Share, Speed, Steering, Trailers
-from hav_env.places import NOWHERE, Site
+from hav_env.places.site import NOWHERE, Site
+from hav_env.scenarios.clearance import check_clear
 from hav_env.scenarios.given_vehicles import (
     HavLimits,
     check_vehicles,
@@ -99,7 +100,8 @@ def explicit(
         articulation_max: articulation beyond which they are jackknifed [rad].
         footprint_truck_share: share of the truck's length in the footprint radius d_i.
         bends: for each HAV the articulations of its trailers at the start [rad]; 0 by default.
-        site: the obstacles and bounds among which they drive; none by default.
+        site: walls and bounds that no HAV may touch, such as ``load_site`` returns. Starts and
+            goals must be clear of them.
 
     Raises:
         TypeError: naming what is no list or no number.
@@ -178,6 +180,7 @@ def _(scenario: Explicit) -> None:
     along = np.where(trailers, abs(scenario.length[:, 1:] + scenario.offset[:, 1:]), 0.0)
     radius = along.sum(axis=1) + abs(scenario.offset[:, 0])
     check_apart(places, radius + scenario.footprint_truck_share * scenario.length[:, 0])
+    check_clear(scenario)
 
 
 def populate_explicit(scenario, world, lane):

@@ -9,6 +9,8 @@ from typing import Any
 from hav_env.models.annotations import show
 from hav_env.models.json_files import read_json
 from hav_env.models.json_schema import check_document
+from hav_env.places.site import join_outlines
+from hav_env.places.site_files import SITE_ENTRIES, read_outlines
 from hav_env.scenarios.explicit import Explicit, explicit
 from hav_env.vehicles.combinations import COMBINATIONS, catalogue, read_combination
 
@@ -58,4 +60,6 @@ def _from_json(data: Any) -> Explicit:
         columns["goals"].append(hav["goals"])
         columns["bends"].append(hav.get("bends", []))
     limits: dict[str, Any] = {name: data[name] for name in _LIMIT_NAMES if name in data}
-    return explicit(**limits, **columns)
+    place = {name: data[name] for name in SITE_ENTRIES if name in data}
+    site = join_outlines(read_outlines(place, "scenario"))
+    return explicit(**limits, **columns, site=site)

@@ -18,9 +18,9 @@
 | ``parking-8`` | eight HAVs in two rows of oblique places that they drive through |
 | ``roundabout-6`` | six HAVs at a roundabout with four arms |
 
-The fleets are the paper's where nothing else is said. Names from ``gate-2`` on are real places
-(``SITES``); their vehicles need ``vehicle="realistic"``. Everything else is in the docstrings of
-the classes and in docs/sites-catalogue.md.
+The fleets are the paper's but for those from ``field-1`` on. Their vehicles need
+``vehicle="realistic"``. Everything else is in the docstrings of the classes and in
+docs/sites-catalogue.md, which has the real places (``SITES``).
 """
 
 import os

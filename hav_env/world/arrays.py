@@ -3,12 +3,11 @@
 Shapes: N HAVs of a world, U units of a HAV (unit 0 is the truck; padded), G goals of a HAV, W
 worlds. The world is the last axis, the "lane": kernels run over HAVs and units outside and over the
 lanes inside, where one instruction works on several worlds. ``World`` names the whole batch as well
-as a block of its lanes.
-
-Quantities that belong together share an array and have named columns. Every array is one more
-argument of every kernel, and compiling and calling slow down with their number.
+as a block of its lanes. Quantities that belong together share an array: every array is one more
+argument of every kernel.
 """
 
+import functools
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -152,7 +151,7 @@ def allocate_worlds(
         num_units: U.
         num_goals: G.
         continuous: whether collisions between steps are looked for.
-        rolls: whether HAVs that wait may roll on until they have come to rest.
+        rolls: whether HAVs that wait may roll on.
         hitched: whether hitches may lie off the axles.
         bodies: the model of the bodies.
         num_segments: S, for how many segments of obstacles there is room.
@@ -201,23 +200,18 @@ def allocate_worlds(
     )
 
 
-def world_size(
-    num_havs: int,
-    num_units: int,
-    num_goals: int,
-    continuous: bool = False,
-    rolls: bool = False,
-    hitched: bool = False,
-    bodies: Any = Lines(),
-    num_segments: int = 0,
-) -> int:
-    """Return how many bytes the arrays of one world take; nothing is allocated."""
+def world_size(*shape: Any) -> int:
+    """Return how many bytes the arrays of one world take; nothing is allocated.
+
+    Args:
+        *shape: as ``allocate_worlds`` takes it, from the number of HAVs on.
+    """
 
     def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
         return np.broadcast_to(kind(0), shape)
 
-    shape = num_havs, num_units, num_goals, continuous, rolls, hitched, bodies, num_segments
-    return sum(array.nbytes for array in arrays_in(allocate_worlds(1, *shape, unbacked)))
+    allocate = functools.partial(allocate_worlds, zeros=unbacked)
+    return sum(array.nbytes for array in arrays_in(allocate(1, *shape)))
 
 
 @kernel

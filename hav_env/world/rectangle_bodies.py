@@ -109,18 +109,17 @@ def _line_as_rectangle(bodies, world, agent, unit, lane, x, y):
 
 
 @generic
-def margin_of(bodies, fleet, agent, unit, lane):
+def margin_of(bodies, agent, unit, lane):
     """Return how far at most [m] the body of a unit reaches from the line between its ends."""
 
 
 @margin_of.register(Lines)
-def _no_margin(bodies, fleet, agent, unit, lane):
+def _no_margin(bodies, agent, unit, lane):
     return 0.0
 
 
 @margin_of.register(Outlines)
-def _margin_of_rectangle(bodies, fleet, agent, unit, lane):
+def _margin_of_rectangle(bodies, agent, unit, lane):
     shape = bodies.shape
     overhang = max(shape[agent, unit, FRONT, lane], shape[agent, unit, REAR, lane])
-    margin = shape[agent, unit, HALF_WIDTH, lane] + overhang
-    return margin if unit <= fleet.num_trailers[agent, lane] else 0.0
+    return shape[agent, unit, HALF_WIDTH, lane] + overhang

@@ -33,10 +33,9 @@ from hav_env.world.arrays import (
 )
 from hav_env.world.bodies import front_end, nearest_on_bodies
 from hav_env.world.collision import front_gap, offset_between
-from hav_env.world.obstacles.nearest import nearest_of_segment
-from hav_env.world.obstacles.rays import ray_to_havs, ray_to_obstacles
+from hav_env.world.obstacles.nearest import num_obstacles, obstacle_point  # noqa: F401  sensed too
+from hav_env.world.obstacles.rays import ray  # noqa: F401  likewise
 from hav_env.world.other_havs import direction_of, place_of
-from hav_env.world.place.segments import num_segments
 
 
 @kernel
@@ -271,28 +270,6 @@ def neighbor_speed(world: World, agent: int, k: int, lane: int) -> float:
     One that waits has none, unless it brakes (``hav_env.vehicles.Limited``).
     """
     return own_speed(world, neighbor_id(world, agent, k, lane), lane)
-
-
-@kernel
-def num_obstacles(world: World, agent: int, lane: int) -> int:
-    """Return how many segments of obstacles there are, near or far."""
-    return num_segments(world.place, lane)
-
-
-@kernel
-def obstacle_point(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
-    """Return the point of segment ``k`` that is nearest to the truck: forward [m], left [m]."""
-    return nearest_of_segment(world, agent, k, lane)
-
-
-@kernel
-def ray(world: World, agent: int, cosine: float, sine: float, most: float, lane: int) -> float:
-    """Return how far obstacles and other HAVs' bodies are in a direction from the truck [m].
-
-    Beyond ``most`` [m] it is that. The direction is (1, 0) forward, (0, 1) to the left.
-    """
-    to_obstacle = ray_to_obstacles(world.place, world, agent, cosine, sine, lane)
-    return min(to_obstacle, ray_to_havs(world, agent, cosine, sine, most, lane), most)
 
 
 @kernel

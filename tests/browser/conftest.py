@@ -13,6 +13,7 @@ from baselines.replay.web_page import write_replay
 from hav_env import OffAxle, RandomPoses, Rectangles, Task, catalogue_fleet
 from tests.browser.page_driver import state, wait_for
 from tests.support.budgets import budget
+from tests.support.recorded import driven_into_wall
 
 SINGLE, PAIR, SWARM = (RandomPoses(num_havs=count) for count in (1, 2, 50))
 # carts on drawbars; fifth wheels ahead of axles
@@ -61,6 +62,7 @@ def trajectories() -> dict[str, Trajectory]:
             AvoidJack(), REAL, 0, 0, Task(max_steps=budget(200, 20)), OffAxle(bodies=Rectangles())
         ),
         "hitched": record_trajectory(AvoidJack(), REAL, 0, 0, Task(max_steps=20), OffAxle()),
+        "walls": driven_into_wall(),
         "moment": record_trajectory(AvoidJack(), SINGLE, 0, 0, Task(max_steps=1)),
     }
 

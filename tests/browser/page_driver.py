@@ -45,6 +45,18 @@ def place_of(driver, hav: int) -> np.ndarray:
     return np.array(driver.execute_script(f"return window.replay.positionOf({hav})"))
 
 
+def colors_near(driver, place) -> set[tuple[int, ...]]:
+    """Return the colours of the plane within two pixels of a place on the page."""
+    script = (
+        "const c = document.getElementById('plane'), box = c.getBoundingClientRect();"
+        "const k = devicePixelRatio || 1, [x, y] = arguments;"
+        "const [left, top] = [Math.floor(k * (x - box.left)), Math.floor(k * (y - box.top))];"
+        "return [...c.getContext('2d').getImageData(left - 2, top - 2, 5, 5).data]"
+    )
+    pixels = driver.execute_script(script, *map(float, place))
+    return {tuple(color) for color in np.reshape(pixels, (-1, 4))[:, :3].tolist()}
+
+
 def click_at(driver, place) -> None:
     actions = ActionChains(driver)
     actions.w3c_actions.pointer_action.move_to_location(*(round(value) for value in place))

@@ -13,6 +13,7 @@ from baselines.replay.trajectory import body_corners, front_points
 from baselines.replay.web_page import template
 from tests.browser.page_driver import (
     click_at,
+    colors_near,
     colors_of,
     drawn_time,
     named,
@@ -22,6 +23,7 @@ from tests.browser.page_driver import (
     state,
     wait_for,
 )
+from tests.support.recorded import HIT, WALLS
 
 
 def test_it_plays_and_pauses(page):
@@ -206,6 +208,26 @@ def test_an_event_takes_there(page, trajectories):
     assert state(driver, "selected") == 0
     assert f"joint {joint}" in named(driver, "figures").text
     assert "jackknifed" in driver.find_element(By.CSS_SELECTOR, "#havs li").text
+
+
+def test_obstacles_are_drawn_and_become_red_when_they_are_hit(page, trajectories):
+    driver, walls = page("walls"), trajectories["walls"]
+    when = HIT * walls.dt
+    assert state(driver, "events") == [
+        {"time": pytest.approx(when), "text": "HAV 0: obstacle collision"}
+    ]
+    own, other = place_of(driver, 0), place_of(driver, 1)
+    scale = (own[1] - other[1]) / (walls.y[0, 1] - walls.y[0, 0])  # pixels per metre
+    away = WALLS[0, :2] + [0.0, 5.0] - [walls.x[0, 0], walls.y[0, 0]]
+    place = own + scale * away * [1.0, -1.0]
+    ink, red = (34, 38, 42), (194, 24, 91)  # --text and --alert
+    assert ink in colors_near(driver, place)
+    assert red not in colors_near(driver, place)
+    seek(driver, when + 4.0)
+    wait_for(lambda: red in colors_near(driver, place))
+    assert "hit an obstacle" in driver.find_element(By.CSS_SELECTOR, "#havs li").text
+    press(driver, "]")
+    wait_for(lambda: f"at {when:.1f} s, segment 0" in named(driver, "figures").text)
 
 
 def test_the_chart_forgets_where_the_cursor_was_and_takes_there(page):

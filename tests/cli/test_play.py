@@ -95,6 +95,7 @@ def test_quit_ends_at_once():
     ("info", "told"),
     [
         ({"jackknifed": True, "actual_collision": True}, "jackknifed, collided"),
+        ({"obstacle_collision": True}, "hit an obstacle"),
         ({}, "time is over"),
     ],
 )

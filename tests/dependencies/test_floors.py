@@ -8,7 +8,7 @@ import pytest
 from tests.dependencies.floors import floors, requirements_of
 from tests.support.paths import ROOT
 
-EXTRAS = ("plots", "rendering", "training", "tests", "checks")
+EXTRAS = ("maps", "plots", "rendering", "training", "tests", "checks")
 WISHES = ["a>=2,<3", "a>=2.10; python_version >= '3.13'", "b[c]>=1.5", "b>=1.4"]
 
 

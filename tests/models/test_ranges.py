@@ -32,6 +32,7 @@ from hav_env import (
     catalogue_fleet,
     parallel_env,
 )
+from hav_env.guidance import Lattice
 from hav_env.maths.elementary import sincos
 from hav_env.maths.random_numbers import Seed
 from hav_env.models.annotations import kinds_of, split_range
@@ -55,7 +56,7 @@ from train.curriculum import Curriculum
 
 MODELS = (Task, RandomFleet, RandomPoses, Crossing, Yard, Column, OnAxle, OffAxle, Rectangles)
 MODELS += (Observation, Reward)
-MODELS += (Limited, AvoidJack, DubinsPursuit, Random, Reserve, Curriculum)
+MODELS += (Lattice, Limited, AvoidJack, DubinsPursuit, Random, Reserve, Curriculum)
 FIELDS = [
     (model, field, *split_range(kind))
     for model in MODELS
@@ -63,7 +64,6 @@ FIELDS = [
 ]
 UNLIMITED = {"goal_speed"}
 NUMBERS = [place for place in FIELDS if place[2] in (int, float)]
-
 
 ARGUMENTS = {
     "num_havs": Havs,

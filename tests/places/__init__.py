@@ -1,1 +1,1 @@
-"""This package tests places: sites, and the files that they come from."""
+"""This package tests places: sites, the files that they come from, and who touches them."""

@@ -26,6 +26,7 @@ from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.scenarios.presets import scenario_of
 from hav_env.scenarios.written import _find_overlap
 from hav_env.world.arrays import FOOTPRINT
+from tests.support.comparing import exactly
 
 HAV = {"lengths": [4.0, 6.0], "start": [0.0, 0.0, 0.5], "goals": [[90.0, 0.0, 1.0]]}
 OTHER = {"lengths": [3, 2, 5], "start": [30, 0, 0], "goals": [[-90, 0, 0]]}
@@ -102,8 +103,7 @@ def test_arrays_will_do_for_lists():
     from_arrays = explicit(
         np.array([HAV["lengths"]]), np.array([HAV["start"]]), np.array([HAV["goals"]])
     )
-    for one, other in zip(from_arrays, written(HAV), strict=True):
-        assert np.array_equal(one, other)
+    assert exactly(from_arrays) == exactly(written(HAV))
 
 
 TWO = {"havs": [HAV, OTHER], "speed_max": 2.0}
@@ -116,8 +116,7 @@ TWO = {"havs": [HAV, OTHER], "speed_max": 2.0}
 def test_a_file_may_be_in_any_unicode_with_a_byte_order_mark_or_without(encoding, tmp_path):
     path = tmp_path / "größe.json"
     path.write_bytes(json.dumps(TWO, indent=1).encode(encoding))
-    for one, other in zip(load_explicit(path), written(HAV, OTHER, speed_max=2.0), strict=True):
-        assert np.array_equal(one, other)
+    assert exactly(load_explicit(path)) == exactly(written(HAV, OTHER, speed_max=2.0))
 
 
 def test_a_file_is_read_alike_whatever_the_locale(tmp_path):

@@ -10,13 +10,13 @@ import pytest
 from hav_env import Batch, OffAxle, Rectangles, catalogue, explicit, load_explicit
 from hav_env.scenarios import explicit_files
 from tests.scenarios.test_explicit import HAV, OTHER, TWO, written
+from tests.support.comparing import exactly
 
 
 def test_a_scenario_from_a_file_is_the_same(tmp_path):
     (tmp_path / "two.json").write_text(json.dumps({"havs": [HAV, OTHER], "speed_max": 2.0}))
     loaded, given = load_explicit(tmp_path / "two.json"), written(HAV, OTHER, speed_max=2.0)
-    for one, other in zip(loaded, given, strict=True):
-        assert np.array_equal(one, other)
+    assert exactly(loaded) == exactly(given)
 
 
 REAL = {"vehicle": "wb-67", "start": [0, 0, 0], "goals": [[50, 0, 0]]}

@@ -104,7 +104,8 @@ def test_a_rollout_is_that_loop_when_somebody_waits(policy):
 def test_a_rollout_is_that_loop_when_havs_brake_at_their_goals(rules, threads):
     task, braking = Task(max_steps=budget(600, 200), **rules), OnAxle(actuators=Limited(0.5, 0.2))
     policy = Weaving(gain=0.02)
-    table = rollout(policy, TOGETHER, 5, np.arange(40), task, braking, threads)
+    episodes = np.arange(budget(40, 3))
+    table = rollout(policy, TOGETHER, 5, episodes, task, braking, threads)
     alone = python_loop(policy, TOGETHER, 5, 0, task, braking)
     assert text(table.slice(0, 3)) == text(alone)
     assert max(table["goal_1_hit"].to_pylist())

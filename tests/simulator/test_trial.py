@@ -11,6 +11,7 @@ import pytest
 from hav_env import (
     Batch,
     RandomPoses,
+    Task,
     act,
     act_lanes,
     move,
@@ -19,7 +20,7 @@ from hav_env import (
     rollout,
 )
 from hav_env.policies import check_policy
-from tests.support.budgets import COMPILED
+from tests.support.budgets import COMPILED, budget
 
 MODULE = """
     from __future__ import annotations
@@ -176,7 +177,8 @@ def test_a_wrong_reward_is_one_line(body, told, mine):
 
 def test_a_right_policy_under_future_annotations_runs(mine):
     policy = mine("act", ACT, "return policy.gain, 0.0")
-    table = rollout(policy, "paper-pair", 0, np.arange(2), threads=1)
+    task = Task(max_steps=budget(Task().max_steps, 20))
+    table = rollout(policy, "paper-pair", 0, np.arange(2), task, threads=1)
     assert table.num_rows == 4
     with pytest.raises(TypeError, match="policy gain is one, a str and not a number"):
         check_policy(policy._replace(gain="one"), RandomPoses())

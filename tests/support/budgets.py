@@ -2,7 +2,7 @@
 
 import numba
 
-COMPILED = not numba.config.DISABLE_JIT  # coverage is measured without compilation
+COMPILED = not numba.config.DISABLE_JIT
 
 
 COMPARED = "the compiled suite runs both ways and compares them"

@@ -87,7 +87,7 @@ def disturb(batch, rng):
 @pytest.mark.parametrize("num_havs", [2, 9, 17, 40])
 def test_neighbors_are_found_whatever_moves_the_havs(num_havs, fastest):
     """Some drive as fast as they can, others are put elsewhere, leave, or change worlds."""
-    rng, num_worlds = np.random.default_rng(num_havs), 18
+    rng, num_worlds = np.random.default_rng(num_havs), budget(18, 6)
     rules = Task(sensing_range=20.0, on_goal="remove")
     scenario = RandomPoses(num_havs, num_goals=1, fleet=SHORT._replace(speed_max=fastest))
     batch = Batch(scenario, num_worlds, rules)

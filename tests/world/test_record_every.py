@@ -1,5 +1,7 @@
 """With record_every, what happens is what is true of every k-th state; nobody moves otherwise."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,18 @@ def trajectories(policy, scenario=DENSE, episodes=EPISODES, **rules):
     return [record_trajectory(policy, scenario, 7, int(k), task) for k in episodes]
 
 
+@functools.cache
+def table_of(policy, every):
+    """Return the table of all episodes; several tests read it."""
+    return run(policy, every=every)
+
+
+@functools.cache
+def drives_of(policy):
+    """Return all episodes, recorded; several tests read them."""
+    return trajectories(policy)
+
+
 def first_of(row, event, place):
     """Return step and place of an event as the table has them."""
     step, where = row[f"{event}_step"], row[f"{event}_{place}"]
@@ -52,9 +66,9 @@ def first_of(row, event, place):
 
 @pytest.mark.parametrize("policy", POLICIES, ids=named)
 def test_first_jackknifes_and_collisions_are_those_of_every_kth_state(policy):
-    drives, later = trajectories(policy), dict.fromkeys(EVENTS, 0)
+    drives, later = drives_of(policy), dict.fromkeys(EVENTS, 0)
     for every in (1, *EVERY):
-        rows = iter(run(policy, every=every).to_pylist())
+        rows = iter(table_of(policy, every).to_pylist())
         for drive in drives:
             jackknifes = first_jackknifes(drive, every)
             potential = first_partners(circles_touch(drive), every)
@@ -102,7 +116,7 @@ def test_close_misses_are_counted_in_every_kth_state(policy):
 @pytest.mark.parametrize("policy", POLICIES, ids=named)
 @pytest.mark.parametrize("every", EVERY)
 def test_goals_and_motion_stay_the_same(policy, every):
-    tables = [run(policy, every=k) for k in (1, every)]
+    tables = [table_of(policy, k) for k in (1, every)]
     names = [n for n in tables[0].column_names if not any(part in n for part in NOT_OF_MOTION)]
     assert {"goal_1_step", "goal_2_hit", "path_length", "largest_articulation"} <= set(names)
     assert tables[0].select(names).to_pydict() == tables[1].select(names).to_pydict()
@@ -132,7 +146,7 @@ def test_large_swarms_keep_to_it_too():
 @pytest.mark.parametrize("every", [1, 5, 7])
 def test_what_ends_an_episode_ends_it_after_a_kth_step(policy, every):
     ended = {"on_jackknife": 0, "on_collision": 0}
-    for drive in trajectories(policy):
+    for drive in drives_of(policy):
         last = int(drive.step[-1])
         bent = [step for step, _ in first_jackknifes(drive, every)]
         hit = [step for step, _ in first_partners(chains_touch(drive), every)]

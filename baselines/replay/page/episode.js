@@ -17,6 +17,8 @@ const axles = decode(episode.axles, Int16Array);
 const driving = decode(episode.driving, Float32Array);
 const steerings = decode(episode.steering, Int16Array);
 const evaded = decode(episode.evaded, Int16Array);
+// x and y of one end, x and y of the other, of every obstacle
+const segments = decode(episode.segments, Float32Array);
 const removed = decode(episode.removed, Uint8Array);
 const { dt, lengths, hitchOffsets, shapes, axleUnit, footprint, articulationMax, goals, first, hitStep } = episode;
 const numRows = steps.length, numHavs = lengths.length, numGoals = goals[0].length;

@@ -19,6 +19,10 @@ function listEvents() {
         list.push({ ...event, text: `HAV ${hav} ${happens} at joint ${where}` });
         continue;
       }
+      if (kind.place === "segment") {
+        list.push({ ...event, text: `HAV ${hav}: ${happens}` });
+        continue;
+      }
       const [theirs, partner] = first[where][row], mutual = theirs === step && partner === hav;
       if (mutual && where < hav) continue;
       const pair = mutual ? `HAVs ${hav}, ${where}` : `HAV ${hav} with ${where}`;
@@ -134,7 +138,7 @@ function showFigures(row, pose) {
   const hits = hitStep[hav].map((step) => (step === NEVER ? null : step * dt))
     .filter((time) => time !== null && time <= state.time + 1e-9).map(seconds);
   const moment = (kind) => {
-    const [step, where] = first[hav][kind.row], name = kind.place === "joint" ? "joint" : "HAV";
+    const [step, where] = first[hav][kind.row], name = kind.place === "partner" ? "HAV" : kind.place;
     return happened(step) ? `at ${seconds(step * dt)}, ${name} ${where}` : "no";
   };
   const toldOf = (chosen) => chosen.map((kind) => [kind.state, moment(kind), kind.harm]);

@@ -39,6 +39,7 @@ function draw() {
     drawVehicle(hav, poses[hav], steerings[row * numHavs + hav] / 1e4);
     state.vehiclesDrawn++;
   }
+  drawSegments();
   for (const hav of order) drawEvasion(hav, evaded[row * numHavs + hav], poses);
   if (layers.numbers && numHavs > 1) for (const hav of order) drawNumber(hav, poses[hav]);
   flat();

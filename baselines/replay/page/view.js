@@ -63,6 +63,7 @@ const onScreen = (x, y) => [
 const onPlane = (px, py) => [
   view.x + (px - view.width / 2) / view.scale, view.y - (py - view.height / 2) / view.scale];
 
+const NEARBY = 8;  // m
 const bounds = (() => {
   const box = [Infinity, -Infinity, Infinity, -Infinity];
   const include = (x, y, margin) => {
@@ -75,6 +76,11 @@ const bounds = (() => {
     for (const [x, y] of goals[hav]) include(x, y, truck);
     const { points, corners } = poseOf(hav, 0, 0);
     for (const [x, y] of corners === null ? points : corners.flat()) include(x, y, 1);
+  }
+  const [left, right, low, high] = box;
+  for (let at = 0; at < segments.length; at += 2) {  // ends of obstacles, where they are near
+    const x = segments[at], y = segments[at + 1];
+    if (x > left - NEARBY && x < right + NEARBY && y > low - NEARBY && y < high + NEARBY) include(x, y, 0);
   }
   return box;
 })();

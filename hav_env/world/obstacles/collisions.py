@@ -13,7 +13,7 @@ the difference of both directions farther. So the rule holds for every vehicle a
 import math
 
 from hav_env.compiled import fixed, generic, kernel, rare_kernel
-from hav_env.maths.geometry import clip
+from hav_env.maths.geometry import clip, into_frame
 from hav_env.maths.rectangles import rectangle_gap
 from hav_env.world.arrays import NEVER, OBSTACLE, STEP, WHEN, WHERE
 from hav_env.world.bodies import reach_of
@@ -23,6 +23,7 @@ from hav_env.world.place.segments import (
     BEFORE_Y,
     DRIVEN,
     FARTHEST,
+    MARGIN,
     NEXT_DUE,
     SWING,
     WENT_X,
@@ -102,10 +103,29 @@ def _begin_anew(place, task, world, agent):
     for lane in range(world.lanes):
         place.driven[agent, DRIVEN, lane] = 0.0
         place.driven[agent, NEXT_DUE, lane] = 0.0
+        find_margin(place, world, agent, lane)
         due = place.due[world.first + lane, agent]
         for number in range(due.shape[0]):
             due[number] = 0.0 if number < place.count[lane] else math.inf
     _test_lanes(place, task, world, agent)
+
+
+@generic
+def find_margin(place, world, agent, lane):
+    """Find how far bodies of a HAV reach from the lines between their ends, at most."""
+
+
+@find_margin.register(Plane)
+def _need_no_margin(place, world, agent, lane):
+    pass
+
+
+@find_margin.register(Obstacles)
+def _find_margin_of_all(place, world, agent, lane):
+    fleet, most = world.fleet, 0.0
+    for unit in range(fleet.num_trailers[agent, lane] + 1):
+        most = max(most, margin_of(fleet.bodies, agent, unit, lane))
+    place.driven[agent, MARGIN, lane] = most
 
 
 @kernel
@@ -132,11 +152,10 @@ def add_motion(place, world, agent):
                 went_x - following * dx,
                 went_y - following * dy,
             )
-            margin = margin_of(fleet.bodies, fleet, agent, unit, lane)
-            moved[SWING, lane] = max(moved[SWING, lane], margin * margin * (dx * dx + dy * dy))
+            moved[SWING, lane] = max(moved[SWING, lane], dx * dx + dy * dy)
     for lane in range(world.lanes):
-        most = math.sqrt(moved[FARTHEST, lane]) + math.sqrt(moved[SWING, lane])
-        place.driven[agent, DRIVEN, lane] += most
+        swing = place.driven[agent, MARGIN, lane] * math.sqrt(moved[SWING, lane])
+        place.driven[agent, DRIVEN, lane] += math.sqrt(moved[FARTHEST, lane]) + swing
 
 
 @kernel
@@ -182,13 +201,15 @@ def _test_segments(place, world, agent, lane):
     return NEVER
 
 
-@rare_kernel
+@kernel
 def gap_to_segment(world, agent, segment, lane):
     """Return a gap between a segment and the bodies of a HAV [m], at most their distance.
 
-    It is above zero if and only if they have no point in common.
+    It is above zero if and only if they have no point in common. Bodies that cannot be nearer than
+    another one are passed over: they are farther from the segment than their middles less their
+    half lengths and widths.
     """
-    far = _distance_to_truck(world, agent, segment, lane)
+    far = _distance(world.state.x[agent, lane], world.state.y[agent, lane], segment)
     reach = reach_of(world.fleet.bodies, world.fleet, agent, lane)
     if far > (1.0 + _FAR) * reach:
         return far - reach
@@ -196,17 +217,17 @@ def gap_to_segment(world, agent, segment, lane):
     least = math.inf
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
         body = body_of(world.fleet.bodies, world, agent, unit, lane, x, y)
-        least = min(least, rectangle_gap(body, segment))
+        middle_x, middle_y, _, _, half, width = body
+        if _distance(middle_x, middle_y, segment) - half - width < least:
+            least = min(least, rectangle_gap(body, segment))
         _, _, x, y = ends_behind(world, agent, unit, lane, x, y)
     return least
 
 
 @kernel
-def _distance_to_truck(world, agent, segment, lane):
-    """Return the distance [m] from the truck's rear axle to a segment."""
-    x, y, cosine, sine, half, _ = segment
-    dx, dy = world.state.x[agent, lane] - x, world.state.y[agent, lane] - y
-    along = dx * cosine + dy * sine
+def _distance(x, y, segment):
+    """Return the distance [m] of a place from a segment."""
+    middle_x, middle_y, cosine, sine, half, _ = segment
+    along, across = into_frame(x - middle_x, y - middle_y, cosine, sine)
     beyond = along - clip(along, -half, half)
-    across = dy * cosine - dx * sine
     return math.sqrt(beyond * beyond + across * across)

@@ -4,8 +4,8 @@ import math
 
 from hav_env.compiled import generic, kernel
 from hav_env.maths.geometry import clip
-from hav_env.world.arrays import into_truck_frame
-from hav_env.world.place.segments import Obstacles, Plane, segment_of
+from hav_env.world.arrays import World, into_truck_frame
+from hav_env.world.place.segments import Obstacles, Plane, num_segments, segment_of
 
 
 @generic
@@ -27,8 +27,17 @@ def _nearest_point(place, number, x, y, lane):
 
 
 @kernel
-def nearest_of_segment(world, agent, number, lane):
-    """Return the point of a segment nearest to the own rear axle: forward [m], left [m]."""
+def num_obstacles(world: World, agent: int, lane: int) -> int:
+    """Return how many segments of obstacles there are, near or far."""
+    return num_segments(world.place, lane)
+
+
+@kernel
+def obstacle_point(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
+    """Return the point of segment ``k`` that is nearest to the truck: forward [m], left [m].
+
+    It is nearest to the truck's rear axle.
+    """
     state = world.state
     x, y = state.x[agent, lane], state.y[agent, lane]
-    return into_truck_frame(state, agent, lane, *nearest_to(world.place, number, x, y, lane))
+    return into_truck_frame(state, agent, lane, *nearest_to(world.place, k, x, y, lane))

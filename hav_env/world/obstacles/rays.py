@@ -7,7 +7,7 @@ directions at once: what is behind has a negative length.
 import math
 
 from hav_env.compiled import generic, kernel
-from hav_env.world.arrays import into_truck_frame
+from hav_env.world.arrays import World, into_truck_frame
 from hav_env.world.bodies import reach_of
 from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.place.segments import Obstacles, Plane, segment_of
@@ -70,17 +70,27 @@ def ahead_of(first, last):
     return inside if inside <= last else math.inf
 
 
+@kernel
+def ray(world: World, agent: int, cosine: float, sine: float, most: float, lane: int) -> float:
+    """Return how far obstacles and other HAVs' bodies are in a direction from the truck [m].
+
+    Beyond ``most`` [m] it is that. The direction is (1, 0) forward, (0, 1) to the left.
+    """
+    to_obstacle = _to_obstacles(world.place, world, agent, cosine, sine, lane)
+    return min(to_obstacle, _to_havs(world, agent, cosine, sine, most, lane), most)
+
+
 @generic
-def ray_to_obstacles(place, world, agent, cosine, sine, lane):
+def _to_obstacles(place, world, agent, cosine, sine, lane):
     """Return how far the nearest obstacle is in a direction of the truck's frame [m], or inf."""
 
 
-@ray_to_obstacles.register(Plane)
+@_to_obstacles.register(Plane)
 def _endless(place, world, agent, cosine, sine, lane):
     return math.inf
 
 
-@ray_to_obstacles.register(Obstacles)
+@_to_obstacles.register(Obstacles)
 def _to_nearest_segment(place, world, agent, cosine, sine, lane):
     nearest = math.inf
     for number in range(place.count[lane]):
@@ -117,7 +127,7 @@ def seen_body(world, agent, other, unit, lane, front_x, front_y):
 
 
 @kernel
-def ray_to_havs(world, agent, cosine, sine, most, lane):
+def _to_havs(world, agent, cosine, sine, most, lane):
     """Return how far the nearest other HAV is in a direction of the truck's frame [m], or inf.
 
     Who is farther away than ``most`` [m] is not looked for.

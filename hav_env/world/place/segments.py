@@ -29,17 +29,18 @@ class Obstacles(NamedTuple):
     segment: Array  # (S, 5, W) columns MIDDLE_X .. HALF_LENGTH
     count: Array  # (W,) how many segments the world has; those beyond are points far away
     due: Array  # (W, N, S) how far [m] a HAV has to be driven for a segment to be tested anew
-    driven: Array  # (N, 2, W) columns DRIVEN, NEXT_DUE [m]
+    driven: Array  # (N, 3, W) columns DRIVEN .. MARGIN [m]
     cosine: Array  # (U, W) scratch: of the units of the HAV at hand, before it moves
     sine: Array  # (U, W) likewise
     moved: Array  # (6, W) scratch, rows BEFORE_X .. SWING
 
 
 MIDDLE_X, MIDDLE_Y, DIRECTION_COSINE, DIRECTION_SINE, HALF_LENGTH = range(5)
-# by how much all points of a HAV have moved at most, added up; the least of all that is due
-DRIVEN, NEXT_DUE = range(2)
-# where the truck's rear axle was; how far the front end of the unit at hand went; the square of
-# how far any end went, at most; how far a corner may have gone beyond the ends, at most
+# by how much all points of a HAV have moved at most, added up; the least of all that is due; how
+# far bodies reach from the lines between their ends, at most
+DRIVEN, NEXT_DUE, MARGIN = range(3)
+# where the truck's rear axle was; how far the front end of the unit at hand went; the squares of
+# how far any end went, and of how much any direction changed, at most
 BEFORE_X, BEFORE_Y, WENT_X, WENT_Y, FARTHEST, SWING = range(6)
 _ROWS = SWING + 1
 OUTSIDE = 1e12  # [m] where nobody drives, and nobody is put who was removed
@@ -61,7 +62,7 @@ def allocate_place(num_segments: int, shape: tuple[int, int, int], zeros: Callab
         segment + np.array([OUTSIDE, OUTSIDE, 1.0, 0.0, 0.0])[:, None],
         zeros((w,), np.int64),
         zeros((w, n, s), np.float64),
-        zeros((n, 2, w), np.float64),
+        zeros((n, 3, w), np.float64),
         zeros((u, w), np.float64),
         zeros((u, w), np.float64),
         zeros((_ROWS, w), np.float64),

@@ -8,7 +8,7 @@ import pytest
 import shapely
 
 from baselines.evaluation.feasibility import goals_crossing, shortest_times, starts_touching
-from baselines.experiments.survey import SURVEY, look_at, main
+from baselines.experiments.survey import SURVEY, look_at, main, rows_of
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.reserve import Reserve
 from hav_env import RandomFleet, RandomPoses, Task, explicit, find_scenario
@@ -87,6 +87,19 @@ def test_what_is_apart_is_not_counted(crowd):
     assert found.size == 6 * (~apart).sum()
     told = crowd["actual_collision"].to_numpy(zero_copy_only=False).reshape(-1, 6)
     assert found.harmed[1].value == pytest.approx(told[~apart].mean())
+
+
+def test_tables_tell_of_obstacles_where_there_are_some(crowd):
+    shown = np.arange(crowd.num_rows) % 4 == 0
+    among = crowd.append_column("obstacle_collision", pa.array(shown))
+    found = [look_at(table, CROWD.fleet) for table in (crowd, among)]
+    head, plane, walls = rows_of([("a", "b", found[0]), ("c", "d", found[1])])
+    place = head.index("hit an obstacle")
+    kept = ~np.repeat(goals_crossing(crowd, 6) | starts_touching(crowd, 6), 6)
+    assert walls[place].startswith(f"{100 * shown[kept].mean():.2f} %")
+    assert plane[2:] == [*walls[2:place], "-", *walls[place + 1 :]]
+    assert "hit an obstacle" not in rows_of([("a", "b", found[0])])[0]
+    assert len({len(row) for row in (head, plane, walls)}) == 1
 
 
 def test_reserve_is_in_time():

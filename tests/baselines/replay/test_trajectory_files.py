@@ -126,7 +126,7 @@ def test_every_cut_and_every_flipped_byte_is_noticed(trajectory, tmp_path):
 )
 def test_contents_that_no_episode_has_are_named(changes, message, trajectory, tmp_path):
     path = tmp_path / "odd.npz"
-    fields = {"kind": "hav_env trajectory", "version": 3, **packed(trajectory), **changes}
+    fields = {"kind": "hav_env trajectory", "version": 4, **packed(trajectory), **changes}
     np.savez_compressed(path, **fields)
     with pytest.raises(ValueError, match=message):
         load_trajectory(path)
@@ -138,7 +138,7 @@ def test_a_foreign_archive_and_a_missing_field_are_named(trajectory, tmp_path):
         archive.writestr("letter.txt", "hello")
     with pytest.raises(ValueError, match="another kind"):
         load_trajectory(path)
-    fields = {"kind": "hav_env trajectory", "version": 3, **packed(trajectory)}
+    fields = {"kind": "hav_env trajectory", "version": 4, **packed(trajectory)}
     del fields["evaded"]
     np.savez(path, **fields)
     with pytest.raises(ValueError, match="'evaded' is missing"):

@@ -107,7 +107,7 @@ def test_waiting_and_turning_on_the_spot_of_no_speed_keep_the_gap():
 def test_tables_have_obstacles_only_where_there_are_some():
     event = next(event for event in EVENTS if event.obstacles)
     scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=WALL)
-    table = rollout("avoid_jack", scenario, 1, [0], Task(max_steps=60))
+    table = rollout("dubins_pursuit", scenario, 1, [0], Task(max_steps=60))
     assert table[event.name].to_pylist() == [True]
     assert table[f"{event.stem}_step"].to_pylist() == [30]
     assert table[f"{event.stem}_segment"].to_pylist() == [0]

@@ -11,8 +11,9 @@ from hav_env.models.quantities import Attempts, Gap, Goals, Havs, Segments, Wide
 from hav_env.scenarios.catalogue_fleet import catalogue_fleet
 from hav_env.scenarios.fleets import Fleets, draw_fleet, scenario_key
 from hav_env.scenarios.random_poses import place_all
-from hav_env.scenarios.witness import drive_in_thought
+from hav_env.scenarios.sites.witness import drive_in_thought
 from hav_env.world.arrays import HEADING, X, Y, put_straight
+from hav_env.world.obstacles.collisions import find_margin
 from hav_env.world.place.segments import DRIVEN, Obstacles, Plane, place_segment
 
 _VEHICLES = ("terminal-tractor", "eu-semi-trailer", "eu-truck-trailer", "eurocombi", "farm-train")
@@ -156,6 +157,7 @@ def _drive_all(scenario, world, lane):
     for agent in range(scenario.num_havs):
         _put_at_start(world, agent, lane)
         world.place.driven[agent, DRIVEN, lane] = 0.0
+        find_margin(world.place, world, agent, lane)
         for phase in range(scenario.num_goals):
             goal = world.goals[agent, phase, :, lane]
             driven = drive_in_thought(

@@ -1,0 +1,49 @@
+"""This module measures the areas of a site: where HAVs may be, and what polygons cover."""
+
+from typing import Any
+
+import numpy as np
+
+from hav_env.places.contact import count_crossings
+from hav_env.places.libraries import import_maps
+from hav_env.places.site import BOUNDARY, POLYGON, Site
+
+
+def covered_area(site: Site) -> Any:
+    """Return the area of all polygons, without their holes, as a Shapely geometry [m].
+
+    Args:
+        site: with polygons or without.
+
+    Raises:
+        ImportError: without the extra ``maps``.
+    """
+    return _area_of(site, POLYGON)
+
+
+def free_area(site: Site) -> Any | None:
+    """Return the area inside the boundary and outside polygons, as a Shapely geometry [m].
+
+    Args:
+        site: without a boundary it has no such area: None.
+
+    Raises:
+        ImportError: without the extra ``maps``.
+    """
+    if BOUNDARY not in site.kind:
+        return None
+    return _area_of(site, BOUNDARY).difference(covered_area(site))
+
+
+def _area_of(site: Site, kind: int) -> Any:
+    """Return the area of all outlines of a kind: all that their rings surround an odd time."""
+    shapely = import_maps("shapely")
+    areas = []
+    for number in np.flatnonzero(site.kind == kind):
+        ends = site.segment[site.outline == number].reshape(-1, 2, 2)
+        lines = shapely.union_all(shapely.linestrings(ends))  # which meet where they cross
+        for face in shapely.get_parts(shapely.polygonize(shapely.get_parts(lines))):
+            x, y = shapely.point_on_surface(face).coords[0]
+            if count_crossings(site, x, y)[number] % 2 == 1:
+                areas.append(face)
+    return shapely.union_all(areas)

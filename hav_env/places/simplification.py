@@ -1,0 +1,42 @@
+"""This module simplifies outlines: it leaves out points, and none moves beyond a tolerance."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hav_env.places.libraries import import_maps
+from hav_env.places.site import Outline
+
+
+def simplify_outlines(outlines: Sequence[Outline], tolerance: float) -> list[Outline]:
+    """Return outlines with fewer points, by the algorithm of Douglas and Peucker.
+
+    No point of the old outlines is farther from the new ones than the tolerance, nor the other way
+    round. Outlines that did not cross do not cross afterwards.
+
+    Args:
+        outlines: rings and chains.
+        tolerance: [m], at least 0.
+
+    Raises:
+        ImportError: without the extra ``maps``.
+    """
+    chains = simplify_chains([chain for _, own in outlines for chain in own], tolerance)
+    rest = iter(chains)
+    return [(kind, [next(rest) for _ in own]) for kind, own in outlines]
+
+
+def simplify_chains(chains: Sequence[np.ndarray], tolerance: float) -> list[np.ndarray]:
+    """Return chains of points (P, 2) with fewer of them; open chains keep their ends.
+
+    Args:
+        chains: of points (P, 2), in any unit.
+        tolerance: in the same unit.
+
+    Raises:
+        ImportError: without the extra ``maps``.
+    """
+    shapely = import_maps("shapely")
+    lines = shapely.MultiLineString([chain.tolist() for chain in chains])
+    simple = shapely.simplify(lines, tolerance, preserve_topology=True)
+    return [np.asarray(line.coords) for line in shapely.get_parts(simple)]

@@ -1,0 +1,1 @@
+"""This package tests guidance: lattices, what they keep clear of, and how trucks follow them."""
