@@ -26,14 +26,14 @@ from baselines.figures.trajectory_plot import (
     sheet,
 )
 from baselines.sites.chain_motion import chain_of, corner_points
-from baselines.sites.drives import FOLDER, Path, read_paths
+from baselines.sites.drives import DRIVE_FOLDER, Path, read_paths
 from baselines.sites.follow import places_in
 from hav_env import Batch
 from hav_env.cli.options import run_command
 from hav_env.models.text import visible
 from hav_env.places import BOUNDARY, LINE, chains_of
 from hav_env.scenarios.presets import SITES
-from hav_env.scenarios.sites import VEHICLES
+from hav_env.scenarios.sites import SITE_VEHICLES
 from hav_env.vehicles import VEHICLES as MODELS
 from hav_env.vehicles import catalogue
 
@@ -50,7 +50,7 @@ class Options:
     """Names of scenarios."""
     output: pathlib.Path = pathlib.Path("docs/images")
     """Folder of site_*.png; those that are there are replaced."""
-    drives: pathlib.Path = FOLDER
+    drives: pathlib.Path = DRIVE_FOLDER
     """Folder of the drives."""
 
 
@@ -100,7 +100,7 @@ def draw_site(name: str, paths: list[Path]) -> Figure:
         else:
             axes.fill(*points.T, fc=GREY, ec=DARK, lw=0.6, zorder=3)
     for path in paths:
-        color = HAV_COLORS[VEHICLES[name].index(path.vehicle) % len(HAV_COLORS)]
+        color = HAV_COLORS[SITE_VEHICLES[name].index(path.vehicle) % len(HAV_COLORS)]
         axes.plot(*path.points[:, :2].T, color=color, lw=0.35, alpha=0.6, zorder=2)
     ahead = 0.02 * max(x1 - x0, y1 - y0)
     for x, y, heading in scenario.place:
@@ -117,7 +117,7 @@ def draw_site(name: str, paths: list[Path]) -> Figure:
     axes.margins(0.02)
     handles = [
         Line2D([], [], color=HAV_COLORS[k % len(HAV_COLORS)], lw=0.8, label=f"drives of {vehicle}")
-        for k, vehicle in enumerate(VEHICLES[name])
+        for k, vehicle in enumerate(SITE_VEHICLES[name])
     ]
     square: dict = {"ls": "", "marker": "s", "ms": 6}
     handles += [
@@ -136,7 +136,7 @@ def _draw_start(axes: Axes, name: str) -> None:
     batch.reset(_SEED)
     for hav in range(scenario.num_havs):
         kinds, _ = places_in(scenario, batch, hav)
-        chain = chain_of(catalogue(VEHICLES[name][int(kinds[0])]))
+        chain = chain_of(catalogue(SITE_VEHICLES[name][int(kinds[0])]))
         state = batch.worlds.state
         units = len(chain.lengths)
         row = [state.x[hav, 0], state.y[hav, 0], *state.heading[hav, :units, 0]]

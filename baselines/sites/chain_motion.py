@@ -108,7 +108,7 @@ def _axles_of(chain: Chain, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     direction = np.stack([np.cos(states[:, 2:]), np.sin(states[:, 2:])], axis=-1)
     axles = np.empty(direction.shape)
     axles[:, 0] = states[:, :2]
-    for unit in range(1, axles.shape[1]):
+    for unit in range(1, len(chain.lengths)):
         hitch = axles[:, unit - 1] - chain.hitches[unit] * direction[:, unit - 1]
         axles[:, unit] = hitch - chain.lengths[unit] * direction[:, unit]
     return axles, direction

@@ -7,21 +7,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from baselines.figures.right_angle_turn import tightest_radius
 from baselines.sites.chain_motion import chain_of, clearance_of
 from baselines.sites.roads import ROADS
-from baselines.sites.search import Segments, Terms, find_drive
+from baselines.sites.search import Segments, Terms, best_of, find_drive
 from baselines.storage.atomic_files import write_text
 from hav_env.scenarios.presets import SITES
 from hav_env.vehicles import Combination, catalogue
+from hav_env.vehicles.steady_circles import least_radius
 
-FOLDER = pathlib.Path("tests/scenarios/drives")
+DRIVE_FOLDER = pathlib.Path("tests/scenarios/drives")
 """Where drives are kept, from the root of the project."""
-MARGIN = 0.25
+DRIVE_MARGIN = 0.25
 """Least distance of bodies to segments [m], for what a driver deviates from its path."""
-SPARE = 1.06
+_TURN_SPARE = 1.06
 """Radius of the tightest turns, as a multiple of the vehicle's least."""
-BETWEEN = 0.1
+_BETWEEN = 0.1
 """Between the points of a path [m]."""
 
 
@@ -40,7 +40,9 @@ class Path(NamedTuple):
 
 def least_turn(vehicle: Combination) -> float:
     """Return the radius [m] of a vehicle's tightest turns in drives."""
-    return round(SPARE * tightest_radius(vehicle), 3)
+    wheels = vehicle.lengths[0] / math.tan(vehicle.steering_max)
+    joints = least_radius(vehicle.lengths, vehicle.offsets, vehicle.limits)
+    return round(_TURN_SPARE * max(wheels, joints), 3)
 
 
 def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
@@ -57,8 +59,9 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
     field, plans = clearance_of(scenario.site), {}
     for vehicle_name in vehicles:
         vehicle = catalogue(vehicle_name)
-        terms = Terms(chain_of(vehicle), field, least_turn(vehicle), MARGIN)
+        terms = Terms(chain_of(vehicle), field, least_turn(vehicle), DRIVE_MARGIN)
         legs: dict[tuple[float, ...], Segments] = {}
+        known: dict[tuple[float, ...], list[Segments]] = {}  # sites are symmetric in parts
         drives: dict[str, list[list[float]]] = {}
         for begin, end in np.argwhere(scenario.follows == 1):
             start, goal = scenario.place[begin], scenario.place[end]
@@ -70,11 +73,16 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
                     continue
                 key = (*one, *other)
                 if key not in legs:
-                    found = find_drive(terms, one, other, 0, guides)
+                    like = _relative(one, other)
+                    found = best_of(terms, one, known.get(like, []))
+                    found = found or find_drive(terms, one, other, 0, guides)
                     if found is None:
                         told = f"{vehicle_name} found no way from place {begin} to place {end}"
                         raise ValueError(f"{told} of {name}: between {one} and {other}")
                     legs[key] = found
+                    known.setdefault(like, []).append(found)
+                    mirrored = _relative(np.zeros(3), np.array([like[0], -like[1], -like[2]]))
+                    known.setdefault(mirrored, []).append([(-side, way) for side, way in found])
                 path = path + legs[key]
                 one, guides = other, []
             drives[f"{begin}-{end}"] = [[round(side, 4), round(way, 3)] for side, way in path]
@@ -82,7 +90,17 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
     return {"scenario": name, "vehicles": plans}
 
 
-def write_plans(plans: dict[str, Any], folder: pathlib.Path = FOLDER) -> pathlib.Path:
+def _relative(one: np.ndarray, other: np.ndarray) -> tuple[float, float, float]:
+    """Return a pose as another one sees it: ahead, to the left, turned."""
+    x, y, heading = other - one
+    cosine, sine = math.cos(one[2]), math.sin(one[2])
+    ahead, left = x * cosine + y * sine, y * cosine - x * sine
+    turned = math.remainder(heading, 2.0 * math.pi)
+    turned = math.pi if abs(turned + math.pi) < 1e-3 else turned
+    return round(ahead, 2) + 0.0, round(left, 2) + 0.0, round(turned, 3) + 0.0
+
+
+def write_plans(plans: dict[str, Any], folder: pathlib.Path = DRIVE_FOLDER) -> pathlib.Path:
     """Write the drives of a site as JSON, one drive a line, and return the path."""
     lines = []
     for name, plan in plans["vehicles"].items():
@@ -95,7 +113,7 @@ def write_plans(plans: dict[str, Any], folder: pathlib.Path = FOLDER) -> pathlib
     return path
 
 
-def read_paths(name: str, folder: pathlib.Path = FOLDER) -> list[Path]:
+def read_paths(name: str, folder: pathlib.Path = DRIVE_FOLDER) -> list[Path]:
     """Return all drives of a site as paths."""
     plans, place = json.loads((folder / f"{name}.json").read_text()), SITES[name].place
     paths = []
@@ -119,7 +137,7 @@ def trace_path(start: np.ndarray, segments: Segments, radius: float) -> np.ndarr
     x, y, heading = map(float, start)
     rows = []
     for side, length in segments:
-        count = max(1, math.ceil(length / BETWEEN))
+        count = max(1, math.ceil(length / _BETWEEN))
         way, curvature = length / count, side / radius
         for _ in range(count):
             rows.append((x, y, heading, curvature))

@@ -9,7 +9,7 @@ from baselines.sites.drives import plan_site, write_plans
 from hav_env.cli.errors import report_errors
 from hav_env.models.text import visible
 from hav_env.scenarios.presets import SITES
-from hav_env.scenarios.sites import VEHICLES
+from hav_env.scenarios.sites import SITE_VEHICLES
 
 
 def main(names: list[str] | None = None) -> int:
@@ -21,7 +21,7 @@ def _plan(names: list[str]) -> None:
     for name in names or SITES:
         if name not in SITES:
             raise ValueError(f"unknown site {name!r}; known: {', '.join(SITES)}")
-        print(visible(str(write_plans(plan_site(name, VEHICLES[name])))), flush=True)
+        print(visible(str(write_plans(plan_site(name, SITE_VEHICLES[name])))), flush=True)
 
 
 if __name__ == "__main__":

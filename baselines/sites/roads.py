@@ -11,6 +11,7 @@ import numpy as np
 from hav_env.scenarios.site_poses import SitePoses
 
 Poses = list[np.ndarray]
+_ROUND_PILE = np.array([-55.0, 22.0, math.pi]), np.array([-118.0, 2.0, -math.pi / 2])
 _RING = 11.5  # [m] of the ring of guides in a roundabout
 
 
@@ -35,14 +36,25 @@ def _along_haul_road(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -
     out, into = np.array([38.0, -2.2, 0.0]), np.array([9.0, 2.2, math.pi])
     shift = np.array([90.0, -90.0, 0.0])  # of the dumping loop, which is turned by a quarter
     if start[2] < 1.0:
-        return [out, _in_bend(47.8, -math.pi / 4), _turned(into, math.pi / 2) + shift]
-    return [_turned(out, math.pi / 2) + shift, _in_bend(52.2, 0.75 * math.pi), into]
+        loop = [_turned(pose, math.pi / 2) + shift for pose in (into, *_ROUND_PILE)]
+        bend = _in_bend(47.8, -math.pi / 4)
+        return [out, bend, loop[0], *(np.array([*pose, 1.0]) for pose in loop[1:])]
+    bend, loop = _in_bend(52.2, 0.75 * math.pi), [np.array([*pose, 1.0]) for pose in _ROUND_PILE]
+    return [_turned(out, math.pi / 2) + shift, bend, into, *loop]
 
 
 def _in_bend(radius: float, heading: float) -> np.ndarray:
     """Return the middle of the bend of the haul road, in one of the lanes."""
     aside = radius * math.sqrt(0.5)
     return np.array([40.0 + aside, -50.0 + aside, heading, 1.0])
+
+
+def _by_cross_aisle(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
+    """Leave an aisle, go along the cross aisle at its end, and enter another."""
+    side, ahead = math.copysign(1.0, start[2]), math.copysign(1.0, goal[0] - start[0])
+    y, heading = side * 14.2, 0.0 if ahead > 0.0 else math.pi
+    first, last = (round(float(x), 6) for x in (start[0] + 2.7 * ahead, goal[0] - 2.7 * ahead))
+    return [np.array([x, y, heading, 1.0]) for x in sorted({first, last}, reverse=ahead < 0.0)]
 
 
 def _round_ring(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
@@ -57,15 +69,6 @@ def _round_ring(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Pos
     return [_turned(come, arm), *ring, _turned(leave, last)]
 
 
-def _behind_aircraft(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
-    """Pass the noses and between two wing tips to a hold; leave behind the tails."""
-    if start[2] < 0.0:
-        return [np.array([-10.0, -60.0, math.pi])]
-    pitch = float(scenario.place[8, 0] - scenario.place[6, 0])
-    between = (math.floor(goal[0] / pitch) + 0.5) * pitch
-    return [np.array([between, -34.0, -math.pi / 2, 1.0])]
-
-
 def _turned(pose: np.ndarray, angle: float) -> np.ndarray:
     """Return a pose turned round the origin."""
     cosine, sine = math.cos(angle), math.sin(angle)
@@ -78,9 +81,8 @@ ROADS: dict[str, Callable[[SitePoses, np.ndarray, np.ndarray], Poses]] = {
     "docks-6": _direct,
     "junction-4": _across_junction,
     "parking-8": _direct,
-    "aisles-6": _direct,
+    "aisles-6": _by_cross_aisle,
     "haul-road-4": _along_haul_road,
-    "apron-6": _behind_aircraft,
     "roundabout-6": _round_ring,
 }
 """The poses between start and goal, for each site."""

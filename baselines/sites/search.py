@@ -22,7 +22,7 @@ _BEND_LEFT = 0.05  # [rad] that joints may have at the end
 _JOINT_SPARE = 0.05  # [rad] to the limits of joints
 _STRAIGHTS = (0.0, 0.7, 1.4, 2.4)  # before and after turns: longest unit, or half the trailers
 _RADII = (1.0, 1.25, 1.6, 4.0)  # of turns, in least radii
-_NEAR_GUIDE = np.array([1.2, 1.2, 0.12])  # standard deviations [m, m, rad]
+_NEAR_GUIDE = np.array([0.12, 0.12, 0.12])  # standard deviations [radii, radii, rad]
 _SAMPLES = 300  # random poses in a round
 _ROUNDS = 40
 _WANTED = 0.6  # [m] of distance to segments; less costs a way
@@ -67,21 +67,23 @@ def find_drive(
         for out, back, radius in itertools.product(straights, straights, _RADII)
         if (path := _join(terms, start, goal, out, back, [(None, radius)])) is not None
     ]
-    found = _best_of(terms, start, direct)
+    found = best_of(terms, start, direct)
     random = np.random.default_rng(seed)
     reach = math.dist(start[:2], goal[:2])
+    near = _NEAR_GUIDE * (terms.radius, terms.radius, 1.0)
     for _ in range(_ROUNDS if found is None else 0):
         paths = []
         for _ in range(_SAMPLES):
             out, back = random.choice(straights[:3]), random.choice(straights)
-            vias = [pose + random.normal(size=3) * _NEAR_GUIDE for pose in guides]
+            noise = near * random.choice((0.3, 1.0))
+            vias = [pose + random.normal(size=3) * noise for pose in guides]
             vias = vias or [_sample(terms, random, start, goal)]
             ways = [(via, random.choice(_RADII)) for via in [*vias, None]]
             path = _join(terms, start, goal, out, back, ways)
             most = 2.0 * reach + 7.0 * terms.radius + out + back
             if path is not None and sum(length for _, length in path) < most:
                 paths.append(path)
-        found = _best_of(terms, start, paths)
+        found = best_of(terms, start, paths)
         if found is not None:
             break
     return found
@@ -121,7 +123,7 @@ def _ahead(pose: np.ndarray, way: float) -> np.ndarray:
     return pose + way * np.array([math.cos(pose[2]), math.sin(pose[2]), 0.0])
 
 
-def _best_of(terms: Terms, start: np.ndarray, paths: list[Segments]) -> Segments | None:
+def best_of(terms: Terms, start: np.ndarray, paths: list[Segments]) -> Segments | None:
     """Return the cheapest path that is clear; None where none is."""
     if not paths:
         return None

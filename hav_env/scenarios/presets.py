@@ -13,6 +13,10 @@
 | ``gate-2`` | two HAVs from both sides of a gate that is 1 m wider than they |
 | ``docks-6`` | six HAVs in a yard: from waiting lanes through docks and back |
 | ``junction-4`` | four HAVs at a junction of two roads |
+| ``aisles-6`` | six tugger trains in a warehouse with aisles of 3 m |
+| ``haul-road-4`` | four long trucks on a two-way road between two loops |
+| ``parking-8`` | eight HAVs in two rows of oblique places that they drive through |
+| ``roundabout-6`` | six HAVs at a roundabout with four arms |
 
 The fleets are the paper's but for those from ``field-1`` on. Their vehicles need
 ``vehicle="realistic"``. Everything else is in the docstrings of the classes and in

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import shapely
 
-from baselines.sites.drives import MARGIN, read_paths
+from baselines.sites.drives import DRIVE_MARGIN, read_paths
 from baselines.sites.follow import covering_episodes, follow
 from hav_env import Batch
 from hav_env.places.site import is_inside
 from hav_env.scenarios.presets import SITES, find_scenario, scenario_of
-from hav_env.scenarios.sites import VEHICLES
+from hav_env.scenarios.sites import SITE_VEHICLES
 from hav_env.vehicles import VEHICLES as MODELS
 from hav_env.vehicles import catalogue
 from hav_env.world.arrays import JACKKNIFE, NEVER, OBSTACLE, WHEN
@@ -79,18 +79,18 @@ def test_every_vehicle_drives_every_connection_and_touches_nothing(name):
     episodes, covered = covering_episodes(scenario, seed=1, most=3_000)
     wanted = {
         (kind, int(start), int(goal))
-        for kind in range(len(VEHICLES[name]))
+        for kind in range(len(SITE_VEHICLES[name]))
         for start, goal in np.argwhere(scenario.follows)
     }
     assert covered == wanted
-    run = follow(scenario, VEHICLES[name], read_paths(name, DRIVES), 1, episodes)
+    run = follow(scenario, SITE_VEHICLES[name], read_paths(name, DRIVES), 1, episodes)
     assert run.hit.all()
-    assert run.off < MARGIN
+    assert run.off < DRIVE_MARGIN
     first = run.batch.worlds.record.first[0, :, WHEN]
     assert (first[JACKKNIFE] == NEVER).all()
     assert (first[OBSTACLE] == NEVER).all()
     tree = shapely.STRtree(shapely.linestrings(scenario.site.segment.reshape(-1, 2, 2)))
-    for kind, vehicle_name in enumerate(VEHICLES[name]):
+    for kind, vehicle_name in enumerate(SITE_VEHICLES[name]):
         own = run.kinds == kind
         vehicle = catalogue(vehicle_name)
         place = np.moveaxis(run.poses[:, own], -1, 0)
@@ -125,7 +125,7 @@ def test_what_does_not_fit_together_is_an_error(changes, message):
 def test_vehicles_have_room_at_all_places_at_once(name):
     scenario = SITES[name]
     tree = shapely.STRtree(shapely.linestrings(scenario.site.segment.reshape(-1, 2, 2)))
-    for vehicle_name in VEHICLES[name]:
+    for vehicle_name in SITE_VEHICLES[name]:
         vehicle = catalogue(vehicle_name)
         x, y, heading = scenario.place.T
         headings = heading[:, None].repeat(len(vehicle.units), axis=1)

@@ -1,19 +1,17 @@
-"""This package has real places for scenarios: yards, roads, halls and aprons, one file for each."""
+"""This package has real places for scenarios: yards and roads, one file for each."""
 
-from hav_env.scenarios.sites import docks, gate, junction
+from hav_env.scenarios.sites import aisles, docks, gate, haul_road, junction, parking, roundabout
+from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 
 BUILDERS = {
     "gate-2": gate.gate,
     "docks-6": docks.docks,
     "junction-4": junction.junction,
+    "aisles-6": aisles.aisles,
+    "haul-road-4": haul_road.haul_road,
+    "parking-8": parking.parking,
+    "roundabout-6": roundabout.roundabout,
 }
 """Functions that return the scenarios, by name."""
 
-VEHICLES = {
-    "gate-2": gate.VEHICLES,
-    "docks-6": docks.VEHICLES,
-    "junction-4": junction.VEHICLES,
-}
-"""Names of the vehicles of each scenario, in the order of its fleet."""
-
-__all__ = ["BUILDERS", "VEHICLES"]
+__all__ = ["BUILDERS", "SITE_VEHICLES"]

@@ -8,23 +8,27 @@ import math
 from hav_env.places import build_site
 from hav_env.scenarios.catalogue_fleet import catalogue_fleet
 from hav_env.scenarios.site_poses import SitePoses, site_poses
+from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 
-VEHICLES = ("eu-semi-trailer", "eurocombi")
-VEHICLE_WIDTH = 2.55
+_GATE_VEHICLE_WIDTH = 2.55
 """[m], the most that Directive 96/53/EC allows, and that of both vehicles."""
-SPARE = 1.0
-"""How much wider the gate is [m]; stated by the task."""
-WALL = 0.4
+_GATE_SPARE = 1.0
+"""How much wider the gate is [m]; chosen for this scenario."""
+_GATE_WALL = 0.4
 """Thickness of the wall [m]; assumed."""
-YARD_LENGTH, YARD_WIDTH = 100.0, 52.0
+_GATE_YARD_LENGTH, _GATE_YARD_WIDTH = 100.0, 52.0
 """Of the yard on each side [m]; assumed: room for a half circle of the longest vehicle."""
-WAITING_AT, WAITING_ASIDE = 54.0, 13.0
+_GATE_WAITING_AT, _GATE_WAITING_ASIDE = 54.0, 13.0
 """Where the rear axles of waiting trucks are [m], from the gate and from its axis; assumed."""
 
 
 def gate() -> SitePoses:
     """Return the scenario ``gate-2``: one HAV starts on each side."""
-    half, opening, thick = 0.5 * YARD_WIDTH, 0.5 * (VEHICLE_WIDTH + SPARE), 0.5 * WALL
+    half, opening, thick = (
+        0.5 * _GATE_YARD_WIDTH,
+        0.5 * (_GATE_VEHICLE_WIDTH + _GATE_SPARE),
+        0.5 * _GATE_WALL,
+    )
     walls = [
         [
             (x, side * y)
@@ -32,8 +36,13 @@ def gate() -> SitePoses:
         ]
         for side in (-1.0, 1.0)
     ]
-    ends = [(-YARD_LENGTH, -half), (YARD_LENGTH, -half), (YARD_LENGTH, half), (-YARD_LENGTH, half)]
-    x, y = WAITING_AT, WAITING_ASIDE
+    ends = [
+        (-_GATE_YARD_LENGTH, -half),
+        (_GATE_YARD_LENGTH, -half),
+        (_GATE_YARD_LENGTH, half),
+        (-_GATE_YARD_LENGTH, half),
+    ]
+    x, y = _GATE_WAITING_AT, _GATE_WAITING_ASIDE
     places = {
         "west": [(-x, -y, 0.0)],
         "other west": [(-x, y, 0.0)],
@@ -42,5 +51,5 @@ def gate() -> SitePoses:
     }
     west, east = ("west", "other west"), ("east", "other east")
     ways = {**dict.fromkeys(west, east), **dict.fromkeys(east, west)}
-    fleet = catalogue_fleet(VEHICLES)
+    fleet = catalogue_fleet(SITE_VEHICLES["gate-2"])
     return site_poses(build_site(ends, walls), fleet, places, ways, ("west", "east"), 2)
