@@ -35,11 +35,13 @@ from hav_env.scenarios import (
     PlacementError,
     RandomFleet,
     RandomPoses,
+    SitePoses,
     Yard,
     catalogue_fleet,
     explicit,
     load_explicit,
     populate,
+    site_poses,
 )
 from hav_env.scenarios.presets import find_scenario
 from hav_env.simulator.batch import Batch
@@ -74,6 +76,7 @@ __all__ = [
     "Rectangles",
     "Reward",
     "Site",
+    "SitePoses",
     "SiteReward",
     "Task",
     "Yard",
@@ -101,6 +104,7 @@ __all__ = [
     "reward_terms",
     "rollout",
     "sensing",
+    "site_poses",
 ]
 
 # loaded when they are wanted: tables take the time of pyarrow, HAVVecEnv needs an extra

@@ -14,7 +14,7 @@ from hav_env.compiled import default_threads
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Threads
 from hav_env.policies.names import POLICIES
-from hav_env.scenarios.presets import SCENARIOS
+from hav_env.scenarios.presets import FIELDS, SCENARIOS, SITES
 
 
 @dataclasses.dataclass
@@ -74,10 +74,14 @@ def compile_policy(name: str) -> float:
 def compile_scenarios() -> float:
     """Compile the beginning of episodes for every class of scenarios; return the time [s]."""
     from hav_env.simulator.batch import Batch  # noqa: PLC0415
+    from hav_env.vehicles import VEHICLES  # noqa: PLC0415
 
     begun = time.monotonic()
     for scenario in {type(scenario): scenario for scenario in SCENARIOS.values()}.values():
         Batch(scenario, 2).reset(0)
+    real = (FIELDS | SITES).values()
+    for scenario in {type(scenario): scenario for scenario in real}.values():
+        Batch(scenario, 2, vehicle=VEHICLES.make("realistic")).reset(0)
     return time.monotonic() - begun
 
 

@@ -53,9 +53,10 @@ SCENARIOS: dict[str, Any] = {
     "yard-4": Yard(num_havs=4),
     "yard-10": Yard(num_havs=10),
     "column-5": Column(num_havs=5),
-    "field-1": Field(num_havs=1),
-    "field-4": Field(num_havs=4),
 }
+
+FIELDS: dict[str, Any] = {f"field-{n}": Field(num_havs=n) for n in (1, 4)}
+"""Scenarios among random walls, which need a vehicle model that knows hitches."""
 
 SITES: dict[str, Any] = {name: build() for name, build in BUILDERS.items()}
 """Scenarios at real places, which need a vehicle model that knows hitches."""
@@ -66,7 +67,7 @@ REGISTRY = Registry(
     "hav_env.scenarios",
     populate.table.__contains__,
     "register it with populate.register",
-    SCENARIOS | SITES,
+    SCENARIOS | FIELDS | SITES,
     {".json": load_explicit},
 )
 
@@ -75,7 +76,7 @@ def find_scenario(name: str | os.PathLike[str]) -> Scenario:
     """Return a scenario by its name; one of a class has that class's defaults.
 
     Args:
-        name: one of ``SCENARIOS`` or of another package, ``module:Class`` of your own, or the path
+        name: one of those above or of another package, ``module:Class`` of your own, or the path
             of a JSON file. A ``PathLike`` is always a file.
 
     Raises:

@@ -7,7 +7,7 @@ import pytest
 
 from hav_env.compiled import TILE_SIDE, entry, fma, in_single, single, split_power, transpose_tile
 from hav_env.maths.dubins import shortest_path_towards, word_segments
-from hav_env.maths.elementary import atan2, atan2_positive, log
+from hav_env.maths.elementary import atan2, atan2_positive, floor, log
 from hav_env.policies import act
 from tests.support.budgets import budget
 
@@ -140,3 +140,11 @@ def test_a_tile_is_turned_over(shape):
 def test_what_is_chosen_by_type_has_no_twin():
     with pytest.raises(TypeError, match="act is generic, but must be one kernel"):
         in_single(act)
+
+
+def test_floor_is_that_of_numpy():
+    floor_single = in_single(floor)
+    numbers = np.random.default_rng(3).uniform(-4e6, 4e6, SAMPLES // 50).astype(np.float32)
+    assert all(floor_single(number) == np.floor(number) for number in numbers)
+    small = np.float32([-1.5, -1.0, -0.25, 0.0, 0.75, 1.0, 17.999])
+    assert [floor_single(number) for number in small] == np.floor(small).tolist()

@@ -17,6 +17,7 @@ from baselines.replay.trajectory import record_trajectory
 from hav_env import (
     Column,
     Crossing,
+    Field,
     Instant,
     Limited,
     Observation,
@@ -27,6 +28,7 @@ from hav_env import (
     RandomPoses,
     Rectangles,
     Reward,
+    SiteReward,
     Task,
     Yard,
     catalogue_fleet,
@@ -55,8 +57,8 @@ from tests.support.budgets import budget
 from train.curriculum import Curriculum
 
 MODELS = (Task, RandomFleet, RandomPoses, Crossing, Yard, Column, OnAxle, OffAxle, Rectangles)
-MODELS += (Observation, Reward)
-MODELS += (Lattice, Limited, AvoidJack, DubinsPursuit, Random, Reserve, Curriculum)
+MODELS += (Observation, Reward, SiteReward, Field, Lattice, Limited, AvoidJack, DubinsPursuit)
+MODELS += (Random, Reserve, Curriculum)
 FIELDS = [
     (model, field, *split_range(kind))
     for model in MODELS
@@ -285,10 +287,8 @@ def test_inside_the_ranges_every_policy_drives(policy, scenario, task, seed):
         if policy.beta < 1e-3:
             return
     trajectory = record_trajectory(policy, scenario, seed, 0, task._replace(max_steps=5))
-    assert np.isfinite(trajectory.x).all()
-    assert np.isfinite(trajectory.heading).all()
-    assert np.isfinite(trajectory.speed[:-1]).all()
-    assert np.isfinite(trajectory.steering[:-1]).all()
+    columns = trajectory.x, trajectory.heading, trajectory.speed[:-1], trajectory.steering[:-1]
+    assert all(np.isfinite(column).all() for column in columns)
 
 
 def test_the_longest_episode_turns_by_less_than_sines_stand():

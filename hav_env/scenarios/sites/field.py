@@ -14,7 +14,7 @@ from hav_env.scenarios.random_poses import place_all
 from hav_env.scenarios.sites.witness import drive_in_thought
 from hav_env.world.arrays import HEADING, X, Y, put_straight
 from hav_env.world.obstacles.collisions import find_margin
-from hav_env.world.place.segments import DRIVEN, Obstacles, Plane, place_segment
+from hav_env.world.place.segments import MOST_MOVED, Obstacles, Plane, place_segment
 
 _VEHICLES = ("terminal-tractor", "eu-semi-trailer", "eu-truck-trailer", "eurocombi", "farm-train")
 _ROUNDS = 100  # of segments drawn anew, each of which refuses a part of the rest
@@ -156,7 +156,7 @@ def _drive_all(scenario, world, lane):
     """Drive all HAVs in thought to their goals; return whether none would jackknife."""
     for agent in range(scenario.num_havs):
         _put_at_start(world, agent, lane)
-        world.place.driven[agent, DRIVEN, lane] = 0.0
+        world.place.driven[agent, MOST_MOVED, lane] = 0.0
         find_margin(world.place, world, agent, lane)
         for phase in range(scenario.num_goals):
             goal = world.goals[agent, phase, :, lane]

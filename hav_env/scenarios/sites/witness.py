@@ -14,11 +14,11 @@ from hav_env.vehicles.off_axle import pull_of
 from hav_env.world.arrays import ARTICULATION, into_truck_frame, turn_unit
 from hav_env.world.lanes import block_of
 from hav_env.world.obstacles.collisions import add_motion, gap_to_segment, note_posture
-from hav_env.world.place.segments import DRIVEN, segment_of
+from hav_env.world.place.segments import MOST_MOVED, segment_of
 from hav_env.world.sensing import drivable_radius
 from hav_env.world.units.joints import hitch_offset, joint_limit
 
-STEP = 0.5  # [m] of the path, at most
+_STRIDE = 0.5  # [m] of the path, at most
 
 
 @rare_kernel
@@ -47,7 +47,7 @@ def drive_in_thought(world, agent, lane, goal, widening, margin, count):
     radius = widening * drivable_radius(world, agent, lane)
     word, first, second, third = shortest_path(forward, left, goal[2] - heading, radius)
     length = first + second + third
-    steps = int(length / STEP) + 1
+    steps = int(length / _STRIDE) + 1
     block = block_of(world, lane, 1, world.fleet.num_trailers[agent, lane] + 1)
     _refuse_near(world.place, world, agent, lane, margin, count)
     for step in range(1, steps + 1):
@@ -93,7 +93,7 @@ def _pull_trailers(world, agent, lane, before, distance):
 @kernel
 def _refuse_near(place, world, agent, lane, margin, count):
     """Refuse the segments that are not farther than the margin [m] from a HAV."""
-    driven, due = place.driven[agent, DRIVEN, lane], place.due[world.first + lane]
+    driven, due = place.driven[agent, MOST_MOVED, lane], place.due[world.first + lane]
     for number in range(count):
         if due[agent, number] <= driven:
             gap = gap_to_segment(world, agent, segment_of(place, number, lane), lane)

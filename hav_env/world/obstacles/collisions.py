@@ -21,9 +21,9 @@ from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.place.segments import (
     BEFORE_X,
     BEFORE_Y,
-    DRIVEN,
     FARTHEST,
     MARGIN,
+    MOST_MOVED,
     NEXT_DUE,
     SWING,
     WENT_X,
@@ -84,7 +84,7 @@ def _record_those_due(place, task, world, agent):
     add_motion(place, world, agent)
     due = 0
     for lane in range(world.lanes):
-        due += place.driven[agent, DRIVEN, lane] >= place.driven[agent, NEXT_DUE, lane]
+        due += place.driven[agent, MOST_MOVED, lane] >= place.driven[agent, NEXT_DUE, lane]
     return _test_lanes(place, task, world, agent) if due > 0 else 0
 
 
@@ -101,7 +101,7 @@ def _begin_in_plane(place, task, world, agent):
 @begin_among_obstacles.register(Obstacles)
 def _begin_anew(place, task, world, agent):
     for lane in range(world.lanes):
-        place.driven[agent, DRIVEN, lane] = 0.0
+        place.driven[agent, MOST_MOVED, lane] = 0.0
         place.driven[agent, NEXT_DUE, lane] = 0.0
         find_margin(place, world, agent, lane)
         due = place.due[world.first + lane, agent]
@@ -155,7 +155,7 @@ def add_motion(place, world, agent):
             moved[SWING, lane] = max(moved[SWING, lane], dx * dx + dy * dy)
     for lane in range(world.lanes):
         swing = place.driven[agent, MARGIN, lane] * math.sqrt(moved[SWING, lane])
-        place.driven[agent, DRIVEN, lane] += math.sqrt(moved[FARTHEST, lane]) + swing
+        place.driven[agent, MOST_MOVED, lane] += math.sqrt(moved[FARTHEST, lane]) + swing
 
 
 @kernel
@@ -172,7 +172,7 @@ def _test_lanes(place, task, world, agent):
     """Test the segments that are due, in every lane; return how many HAVs collided."""
     first, news = world.record.first, 0
     for lane in range(world.lanes):
-        if not place.driven[agent, DRIVEN, lane] >= place.driven[agent, NEXT_DUE, lane]:
+        if not place.driven[agent, MOST_MOVED, lane] >= place.driven[agent, NEXT_DUE, lane]:
             continue
         if not records(task, world.state.clock[STEP, lane]):
             continue
@@ -188,7 +188,7 @@ def _test_lanes(place, task, world, agent):
 @kernel
 def _test_segments(place, world, agent, lane):
     """Test the segments that are due; return the first that a HAV collides with, or NEVER."""
-    driven, due = place.driven[agent, DRIVEN, lane], place.due[world.first + lane, agent]
+    driven, due = place.driven[agent, MOST_MOVED, lane], place.due[world.first + lane, agent]
     least = math.inf
     for number in range(place.count[lane]):
         if due[number] <= driven:

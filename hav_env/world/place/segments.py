@@ -29,7 +29,7 @@ class Obstacles(NamedTuple):
     segment: Array  # (S, 5, W) columns MIDDLE_X .. HALF_LENGTH
     count: Array  # (W,) how many segments the world has; those beyond are points far away
     due: Array  # (W, N, S) how far [m] a HAV has to be driven for a segment to be tested anew
-    driven: Array  # (N, 3, W) columns DRIVEN .. MARGIN [m]
+    driven: Array  # (N, 3, W) columns MOST_MOVED .. MARGIN [m]
     cosine: Array  # (U, W) scratch: of the units of the HAV at hand, before it moves
     sine: Array  # (U, W) likewise
     moved: Array  # (6, W) scratch, rows BEFORE_X .. SWING
@@ -38,7 +38,7 @@ class Obstacles(NamedTuple):
 MIDDLE_X, MIDDLE_Y, DIRECTION_COSINE, DIRECTION_SINE, HALF_LENGTH = range(5)
 # by how much all points of a HAV have moved at most, added up; the least of all that is due; how
 # far bodies reach from the lines between their ends, at most
-DRIVEN, NEXT_DUE, MARGIN = range(3)
+MOST_MOVED, NEXT_DUE, MARGIN = range(3)
 # where the truck's rear axle was; how far the front end of the unit at hand went; the squares of
 # how far any end went, and of how much any direction changed, at most
 BEFORE_X, BEFORE_Y, WENT_X, WENT_Y, FARTHEST, SWING = range(6)
