@@ -37,7 +37,7 @@ from hav_env.scenarios.sites import SITE_VEHICLES
 from hav_env.vehicles import VEHICLES as MODELS
 from hav_env.vehicles import catalogue
 
-_SEED = 1
+_PICTURED_SEED = 1
 _WIDTH = 7.0  # inches
 _HIGHEST = 6.4
 
@@ -133,7 +133,7 @@ def _draw_start(axes: Axes, name: str) -> None:
     """Draw the HAVs of one episode where they start."""
     scenario = SITES[name]
     batch = Batch(scenario, 1, vehicle=MODELS.make("realistic"))
-    batch.reset(_SEED)
+    batch.reset(_PICTURED_SEED)
     for hav in range(scenario.num_havs):
         kinds, _ = places_in(scenario, batch, hav)
         chain = chain_of(catalogue(SITE_VEHICLES[name][int(kinds[0])]))

@@ -21,7 +21,7 @@ Segments = list[tuple[float, float]]
 _BEND_LEFT = 0.05  # [rad] that joints may have at the end
 _JOINT_SPARE = 0.05  # [rad] to the limits of joints
 _STRAIGHTS = (0.0, 0.7, 1.4, 2.4)  # before and after turns: longest unit, or half the trailers
-_RADII = (1.0, 1.25, 1.6, 4.0)  # of turns, in least radii
+_TRIED_RADII = (1.0, 1.25, 1.6, 4.0)  # of turns, in least radii
 _NEAR_GUIDE = np.array([0.12, 0.12, 0.12])  # standard deviations [radii, radii, rad]
 _SAMPLES = 300  # random poses in a round
 _ROUNDS = 40
@@ -64,7 +64,7 @@ def find_drive(
     straights = [share * unit for share in _STRAIGHTS]
     direct = [
         path
-        for out, back, radius in itertools.product(straights, straights, _RADII)
+        for out, back, radius in itertools.product(straights, straights, _TRIED_RADII)
         if (path := _join(terms, start, goal, out, back, [(None, radius)])) is not None
     ]
     found = best_of(terms, start, direct)
@@ -78,7 +78,7 @@ def find_drive(
             noise = near * random.choice((0.3, 1.0))
             vias = [pose + random.normal(size=3) * noise for pose in guides]
             vias = vias or [_sample(terms, random, start, goal)]
-            ways = [(via, random.choice(_RADII)) for via in [*vias, None]]
+            ways = [(via, random.choice(_TRIED_RADII)) for via in [*vias, None]]
             path = _join(terms, start, goal, out, back, ways)
             most = 2.0 * reach + 7.0 * terms.radius + out + back
             if path is not None and sum(length for _, length in path) < most:

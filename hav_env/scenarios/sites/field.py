@@ -16,7 +16,7 @@ from hav_env.world.arrays import HEADING, X, Y, put_straight
 from hav_env.world.obstacles.collisions import find_margin
 from hav_env.world.place.segments import MOST_MOVED, Obstacles, Plane, place_segment
 
-_VEHICLES = ("terminal-tractor", "eu-semi-trailer", "eu-truck-trailer", "eurocombi", "farm-train")
+_NAMES = ("terminal-tractor", "eu-semi-trailer", "eu-truck-trailer", "eurocombi", "farm-train")
 _ROUNDS = 100  # of segments drawn anew, each of which refuses a part of the rest
 
 
@@ -32,7 +32,7 @@ class Field(NamedTuple):
     """Number of HAVs."""
     num_goals: Goals = 2
     """Number of goals that each HAV gets, one after the other."""
-    fleet: Fleets = catalogue_fleet(_VEHICLES)
+    fleet: Fleets = catalogue_fleet(_NAMES)
     """Trucks and trailers."""
     side: Gap = 120.0
     """Side of the square in which starts, goals and the middles of walls lie [m]."""

@@ -21,11 +21,11 @@ from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.place.segments import (
     BEFORE_X,
     BEFORE_Y,
+    BODY_MARGIN,
     FARTHEST,
-    MARGIN,
     MOST_MOVED,
+    MOST_TURNED,
     NEXT_DUE,
-    SWING,
     WENT_X,
     WENT_Y,
     Obstacles,
@@ -125,7 +125,7 @@ def _find_margin_of_all(place, world, agent, lane):
     fleet, most = world.fleet, 0.0
     for unit in range(fleet.num_trailers[agent, lane] + 1):
         most = max(most, margin_of(fleet.bodies, agent, unit, lane))
-    place.driven[agent, MARGIN, lane] = most
+    place.driven[agent, BODY_MARGIN, lane] = most
 
 
 @kernel
@@ -139,7 +139,7 @@ def add_motion(place, world, agent):
         went_y = state.y[agent, lane] - moved[BEFORE_Y, lane] + wheelbase * dy
         moved[WENT_X, lane], moved[WENT_Y, lane] = went_x, went_y
         moved[FARTHEST, lane] = went_x * went_x + went_y * went_y
-        moved[SWING, lane] = 0.0
+        moved[MOST_TURNED, lane] = 0.0
     for number in range(world.units):
         unit = fixed(number)
         for lane in range(world.lanes):
@@ -152,9 +152,9 @@ def add_motion(place, world, agent):
                 went_x - following * dx,
                 went_y - following * dy,
             )
-            moved[SWING, lane] = max(moved[SWING, lane], dx * dx + dy * dy)
+            moved[MOST_TURNED, lane] = max(moved[MOST_TURNED, lane], dx * dx + dy * dy)
     for lane in range(world.lanes):
-        swing = place.driven[agent, MARGIN, lane] * math.sqrt(moved[SWING, lane])
+        swing = place.driven[agent, BODY_MARGIN, lane] * math.sqrt(moved[MOST_TURNED, lane])
         place.driven[agent, MOST_MOVED, lane] += math.sqrt(moved[FARTHEST, lane]) + swing
 
 

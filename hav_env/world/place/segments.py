@@ -29,21 +29,21 @@ class Obstacles(NamedTuple):
     segment: Array  # (S, 5, W) columns MIDDLE_X .. HALF_LENGTH
     count: Array  # (W,) how many segments the world has; those beyond are points far away
     due: Array  # (W, N, S) how far [m] a HAV has to be driven for a segment to be tested anew
-    driven: Array  # (N, 3, W) columns MOST_MOVED .. MARGIN [m]
+    driven: Array  # (N, 3, W) columns MOST_MOVED .. BODY_MARGIN [m]
     cosine: Array  # (U, W) scratch: of the units of the HAV at hand, before it moves
     sine: Array  # (U, W) likewise
-    moved: Array  # (6, W) scratch, rows BEFORE_X .. SWING
+    moved: Array  # (6, W) scratch, rows BEFORE_X .. MOST_TURNED
 
 
 MIDDLE_X, MIDDLE_Y, DIRECTION_COSINE, DIRECTION_SINE, HALF_LENGTH = range(5)
 # by how much all points of a HAV have moved at most, added up; the least of all that is due; how
 # far bodies reach from the lines between their ends, at most
-MOST_MOVED, NEXT_DUE, MARGIN = range(3)
+MOST_MOVED, NEXT_DUE, BODY_MARGIN = range(3)
 # where the truck's rear axle was; how far the front end of the unit at hand went; the squares of
 # how far any end went, and of how much any direction changed, at most
-BEFORE_X, BEFORE_Y, WENT_X, WENT_Y, FARTHEST, SWING = range(6)
-_ROWS = SWING + 1
-OUTSIDE = 1e12  # [m] where nobody drives, and nobody is put who was removed
+BEFORE_X, BEFORE_Y, WENT_X, WENT_Y, FARTHEST, MOST_TURNED = range(6)
+_MOTION_ROWS = MOST_TURNED + 1
+NOT_THERE = 1e12  # [m] where nobody drives, and nobody is put who was removed
 
 
 def allocate_place(num_segments: int, shape: tuple[int, int, int], zeros: Callable) -> Any:
@@ -59,13 +59,13 @@ def allocate_place(num_segments: int, shape: tuple[int, int, int], zeros: Callab
     s, (n, u, w) = num_segments, shape
     segment = zeros((s, 5, w), np.float64)
     return Obstacles(
-        segment + np.array([OUTSIDE, OUTSIDE, 1.0, 0.0, 0.0])[:, None],
+        segment + np.array([NOT_THERE, NOT_THERE, 1.0, 0.0, 0.0])[:, None],
         zeros((w,), np.int64),
         zeros((w, n, s), np.float64),
         zeros((n, 3, w), np.float64),
         zeros((u, w), np.float64),
         zeros((u, w), np.float64),
-        zeros((_ROWS, w), np.float64),
+        zeros((_MOTION_ROWS, w), np.float64),
     )
 
 
@@ -123,8 +123,8 @@ def _clear_nothing(place, lane):
 @clear_place.register(Obstacles)
 def _clear_segments(place, lane):
     for number in range(place.count[lane]):
-        place.segment[number, MIDDLE_X, lane] = OUTSIDE
-        place.segment[number, MIDDLE_Y, lane] = OUTSIDE
+        place.segment[number, MIDDLE_X, lane] = NOT_THERE
+        place.segment[number, MIDDLE_Y, lane] = NOT_THERE
         place.segment[number, HALF_LENGTH, lane] = 0.0
     place.count[lane] = 0
 
