@@ -1,15 +1,17 @@
 """HAVs collide with obstacles when Shapely says so, in the same step and at the same segment."""
 
+import functools
 import math
 
 import numpy as np
+import pyarrow.compute as pc
 import pytest
 
 from hav_env import Batch, Field, OffAxle, OnAxle, Rectangles, Task, build_site, explicit, rollout
 from hav_env.vehicles import VEHICLES
 from hav_env.world.arrays import NEVER, OBSTACLE, WHEN, WHERE
 from hav_env.world.event_table import EVENTS
-from tests.support.budgets import budget
+from tests.support.budgets import COMPARED, COMPILED, budget
 from tests.support.obstacles import gaps_to_walls, touching_walls
 
 WALL = build_site(lines=[[[10.0, -5.0], [10.0, 5.0]]])
@@ -123,6 +125,19 @@ def test_tables_have_obstacles_only_where_there_are_some():
         Task(max_steps=60),
     )
     assert event.name not in plane.column_names
+
+
+@pytest.mark.skipif(not COMPILED, reason=COMPARED)
+def test_episodes_are_the_same_in_any_lane_and_on_any_thread():
+    run = functools.partial(
+        rollout, "dubins_pursuit", "field-4", 5, task=Task(max_steps=400), vehicle="realistic"
+    )
+    together = run(range(150), threads=1)
+    assert together == run(range(150), threads=2)
+    for episode in (0, 77, 149):
+        alone = run([episode], threads=1)
+        assert alone == together.filter(pc.field("episode") == episode)
+    assert 0.1 < np.mean(together["obstacle_collision"].to_pylist()) < 1.0
 
 
 def test_collisions_between_steps_are_refused_among_obstacles():
