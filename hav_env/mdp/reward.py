@@ -136,6 +136,7 @@ def note_before(world, agent, remaining, before):
 
 
 @reward_terms.register(Reward)
+@kernel
 def default_terms(reward, duration, world, agent, before, remaining, terms):
     """Work out the terms of ``Reward``."""
     state, limit, first = world.state, world.fleet.limit, world.record.first

@@ -38,7 +38,7 @@ _AT = places_of(POINT_COLUMNS)
 OBSTACLE_SIZE = len(POINT_COLUMNS)
 _NOBODY_SQUARED = 1e20  # [m^2], farther than any segment is but those that a world does not have
 _WIDER = 1e-3  # [rad], more than single precision makes of an angle
-_to_segment, _ahead_of = in_single(to_segment), in_single(ahead_of)
+_to_segment = in_single(to_segment)
 
 
 def obstacle_columns(obstacles: int, rays: int) -> list[Column]:
@@ -147,10 +147,7 @@ def _count_below(world, one, other):
 
 @kernel
 def _sort_in(world, rows, columns, column):
-    """Put the segment at hand into a rank where it is nearer than the one there, and take that one.
-
-    Of equally near ones the first stays.
-    """
+    """Put the segment at hand into a rank where it is nearer, and take the one from there."""
     for lane in range(world.lanes):
         squared, kept = rows[SEEN_SQUARED, lane], columns[column + _AT.distance, lane]
         number, other = rows[SEEN_NUMBER, lane], columns[column + _AT.present, lane]
@@ -234,7 +231,7 @@ def _cast_at_segments(place, observation, world, agent, rows, columns, first):
             count = int(rows[RAY_COUNT, lane])
             ray = (int(rows[FIRST_RAY, lane]) + rays) % rays
             for _ in range(count):
-                length = _to_segment(
+                met = _to_segment(
                     rows[RAY_COSINE, ray],
                     rows[RAY_SINE, ray],
                     rows[SEEN_X, lane],
@@ -242,7 +239,6 @@ def _cast_at_segments(place, observation, world, agent, rows, columns, first):
                     rows[SEEN_HALF_X, lane],
                     rows[SEEN_HALF_Y, lane],
                 )
-                met = _ahead_of(length, length)
                 columns[first + ray, lane] = min(columns[first + ray, lane], met)
                 ray = ray + 1 if ray + 1 < rays else 0
 

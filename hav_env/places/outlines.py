@@ -94,6 +94,9 @@ def read_circle(name: str, value: Any) -> np.ndarray:
     angle = 2.0 * math.pi * (np.arange(_CIRCLE_SIDES) + 0.5) / _CIRCLE_SIDES
     corner = radius / math.cos(math.pi / _CIRCLE_SIDES)
     points = np.stack([x + corner * np.cos(angle), y + corner * np.sin(angle)], axis=1)
+    _check_coordinates(f"{name} has a side of its polygon that", points.ravel().tolist())
+    if len(np.unique(points, axis=0)) < _CIRCLE_SIDES:
+        raise ValueError(f"{name} is {show(value)}, but must be larger: its corners coincide")
     return np.concatenate([points, points[:1]])
 
 

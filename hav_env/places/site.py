@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from hav_env.compiled import kernel
-from hav_env.models.annotations import Range
+from hav_env.models.annotations import Range, show
 from hav_env.models.checks import check_relations
 from hav_env.places.outlines import read_chain, read_circle, read_ring
 
@@ -91,6 +91,9 @@ def build_site(
     outlines: list[Outline] = []
     if boundary is not None:
         outlines.append((BOUNDARY, [read_ring("boundary", boundary)]))
+    for name, given in (("polygons", polygons), ("lines", lines), ("circles", circles)):
+        if isinstance(given, str | bytes) or not isinstance(given, Sequence | np.ndarray):
+            raise TypeError(f"{name} is {show(given)}, but must be a list")
     for k, ring in enumerate(polygons):
         outlines.append((POLYGON, [read_ring(f"polygons[{k}]", ring)]))
     for k, chain in enumerate(lines):

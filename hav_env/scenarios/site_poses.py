@@ -14,8 +14,10 @@ from hav_env.models.annotations import Range, show
 from hav_env.models.checks import check_relations, require
 from hav_env.models.quantities import Goals, Havs, WorldAttempts
 from hav_env.places import Site
+from hav_env.places.contact import place_is_inside
 from hav_env.scenarios.catalogue_fleet import CatalogueFleet
 from hav_env.scenarios.fleets import draw_fleet, scenario_key
+from hav_env.scenarios.written import read_numbers
 from hav_env.world.arrays import HEADING, X, Y, put_straight
 from hav_env.world.place.segments import place_site
 
@@ -82,7 +84,11 @@ def site_poses(
         starts: groups where HAVs start.
         num_havs: how many HAVs there are.
         num_goals: how many goals each of them gets.
+
+    Raises:
+        TypeError, ValueError: naming the group or the place that is wrong.
     """
+    _check_groups(places, ways, starts)
     owner = [name for name, poses in places.items() for _ in poses]
     follows = np.array([[later in ways[name] for later in owner] for name in owner], np.int64)
     np.fill_diagonal(follows, 0)
@@ -95,6 +101,25 @@ def site_poses(
         np.array([name in starts for name in owner], np.int64),
         follows,
     )
+
+
+def _check_groups(places: Mapping, ways: Mapping, starts: Sequence[str]) -> None:
+    """Check that groups have poses, that each has ways on, and that all names are known."""
+    for name, poses in places.items():
+        for k, pose in enumerate(read_numbers(f"places[{name!r}]", poses, 2)):
+            if len(pose) != 3:
+                told = f"places[{name!r}][{k}] is {show(pose)}"
+                raise ValueError(f"{told}, but must be a pose [x, y, heading]")
+        if name not in ways:
+            raise ValueError(f"ways has no entry for the group {name!r}, but must have one")
+    named = {"starts": starts, "ways": ways, **{f"ways[{k!r}]": later for k, later in ways.items()}}
+    for argument, names in named.items():
+        for name in names:
+            if name not in places:
+                known = ", ".join(places) or "none"
+                raise ValueError(f"{argument} names {show(name)}, but must name a group: {known}")
+    if not any(map(len, places.values())):
+        raise ValueError("places is empty, but must hold at least one pose")
 
 
 @check_relations.register
@@ -116,6 +141,10 @@ def _(scenario: SitePoses) -> None:
         "num_havs",
         f"at most {starts}, the number of places where HAVs start",
     )
+    for number, (x, y, _) in enumerate(place):
+        if not place_is_inside(scenario.site, x, y):
+            told = f"scenario place {number} is at ({x:g}, {y:g})"
+            raise ValueError(f"{told}, but must be inside the boundary and outside polygons")
     dead = np.flatnonzero(follows.sum(axis=1) == 0)
     if len(dead):
         told = f"scenario follows has no place after place {show(int(dead[0]))}"

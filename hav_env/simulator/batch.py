@@ -21,6 +21,7 @@ from hav_env.world.lanes import LANES, block_of, view_of
 from hav_env.world.task import Task, check_at_once, check_task
 from hav_env.world.units.parts import Lines
 
+_MOST_SHOWN = 600  # characters of a scenario without room
 _FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
 
 
@@ -231,7 +232,8 @@ def check_placed(placed: np.ndarray, scenario: Scenario) -> None:
     """Raise PlacementError when a world had no room for its HAVs."""
     missing = placed.size - np.count_nonzero(placed)
     if missing > 0:
+        told = " ".join(repr(scenario).split())[:_MOST_SHOWN]
         raise PlacementError(
             f"{missing} of {placed.size} worlds have no room for"
-            f" {scenario.num_havs} HAVs without potential collisions: {scenario}"
+            f" {scenario.num_havs} HAVs without potential collisions: {told}"
         )

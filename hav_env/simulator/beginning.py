@@ -12,7 +12,7 @@ from hav_env.world.events import record_collisions
 from hav_env.world.goals import assign_goal
 from hav_env.world.neighborhood import find_nearby
 from hav_env.world.obstacles.collisions import begin_among_obstacles
-from hav_env.world.place.segments import Obstacles, Plane, clear_place
+from hav_env.world.place.segments import OVERFULL, Obstacles, Plane, clear_place, num_segments
 from hav_env.world.units.parts import Hitches, Lines, OnAxles, Outlines
 
 
@@ -35,7 +35,8 @@ def begin(scenario, task, world, placed):
     _clear_record(world)
     for lane in range(world.lanes):
         clear_place(world.place, lane)
-        placed[lane] = populate(scenario, world, lane)
+        found = populate(scenario, world, lane)
+        placed[lane] = found and num_segments(world.place, lane) != OVERFULL
     for number in range(state.x.shape[0]):
         agent = fixed(number)
         for lane in range(world.lanes):

@@ -17,11 +17,15 @@ from hav_env.world.arrays import (
 )
 from hav_env.world.continuous_collision import note_axles
 from hav_env.world.event_table import obstacle_hit_at
-from hav_env.world.events import record_collisions, record_motion
+from hav_env.world.events import record_collisions, record_jackknifes, record_motion
 from hav_env.world.goals import assign_goal, record_approach
 from hav_env.world.lanes import block_of
 from hav_env.world.neighborhood import find_nearby
-from hav_env.world.obstacles.collisions import note_posture, record_obstacle_collisions
+from hav_env.world.obstacles.collisions import (
+    add_motion,
+    note_posture,
+    record_obstacle_collisions,
+)
 from hav_env.world.task import ALONE, END, REMOVE
 
 # x of the first removed HAV and the distance from one to the next [m]
@@ -65,10 +69,21 @@ def move_hav(task, vehicle, world, agent, speed, steering):
     moving = acting_block(actuators, world, agent)
     note_posture(moving.place, moving, agent)
     move(vehicle, task.dt, moving, agent)
-    events = record_motion(task, moving, agent)
-    events += record_obstacle_collisions(moving.place, task, moving, agent)
+    record_motion(task, moving, agent)
+    add_motion(moving.place, moving, agent)
+    if task.record_every == 1:
+        events = _look_for_events(task, moving, agent)
+    else:  # what happened to a HAV since may have made it wait
+        events = _look_for_events(task, world, agent)
     hits = record_approach(task, moving, agent)
     return events, hits
+
+
+@kernel
+def _look_for_events(task, world, agent):
+    """Look for jackknifes and collisions with obstacles of a HAV; return how many there may be."""
+    events = record_jackknifes(task, world, agent)
+    return events + record_obstacle_collisions(world.place, task, world, agent)
 
 
 @kernel

@@ -38,11 +38,7 @@ def jackknifed(articulation, limit):
 
 @kernel
 def record_motion(task, world, agent):
-    """Record the driven path and the largest articulation, and look for the first jackknife.
-
-    Returns:
-        In how many lanes the HAV may have jackknifed.
-    """
+    """Record the driven path and the largest articulation."""
     state, total = world.state, world.record.total
     for lane in range(world.lanes):
         total[agent, PATH, lane] += state.speed[agent, lane] * task.dt
@@ -52,11 +48,20 @@ def record_motion(task, world, agent):
             size = abs(state.heading[agent, unit, lane] - state.heading[agent, unit - 1, lane])
             size = size if unit <= world.fleet.num_trailers[agent, lane] else 0.0
             total[agent, LARGEST, lane] = max(total[agent, LARGEST, lane], size)
+
+
+@kernel
+def record_jackknifes(task, world, agent):
+    """Look for the first jackknife of a HAV in every lane.
+
+    Returns:
+        In how many lanes the HAV may have jackknifed.
+    """
     news = 0
     for lane in range(world.lanes):
         news += _may_jackknife(world, agent, lane)
     if news > 0:
-        _record_jackknifes(task, world, agent)
+        _record_those_beyond(task, world, agent)
     return news
 
 
@@ -71,7 +76,7 @@ def _may_jackknife(world, agent, lane):
 
 
 @rare_kernel
-def _record_jackknifes(task, world, agent):
+def _record_those_beyond(task, world, agent):
     first = world.record.first
     for lane in range(world.lanes):
         recorded = records(task, world.state.clock[STEP, lane])

@@ -92,9 +92,8 @@ def test_no_wall_is_near_the_way_of_any_hav(worlds):
             bodies = bodies_on(worlds, agent, w, way)
             _, gaps = tree.query_nearest(bodies, all_matches=False, return_distance=True)
             least.append(gaps.min())
-    # between the poses of the drive in thought bodies may come a little nearer
-    assert min(least) > FIELD.margin - 0.05
-    assert np.median(least) < FIELD.margin + 2.0
+    assert min(least) > FIELD.margin - 0.01
+    assert np.median(least) < FIELD.margin + 5.0
 
 
 def test_nobody_starts_at_a_wall_and_walls_are_as_long_as_they_should_be(worlds):

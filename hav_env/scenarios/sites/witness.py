@@ -60,8 +60,11 @@ def drive_in_thought(world, agent, lane, goal, widening, margin, count):
         turn_unit(state, agent, 0, lane, heading + turned)
         if not _pull_trailers(world, agent, lane, before, length / steps):
             return -1.0
+        gone = world.place.driven[agent, MOST_MOVED, lane]
         add_motion(block.place, block, agent)
-        _refuse_near(world.place, world, agent, lane, margin, count)
+        # between two poses no point is farther from both than half of what it moved
+        between = 0.5 * (world.place.driven[agent, MOST_MOVED, lane] - gone)
+        _refuse_near(world.place, world, agent, lane, margin + between, count)
     return length
 
 

@@ -37,6 +37,7 @@ from hav_env.world.task import records
 from hav_env.world.units.joints import unit_spans
 
 _ROUNDING = 1e-6  # [m], more than rounding makes of gaps as far out as coordinates may be
+_OF_SUM = 1e-12  # of what has been driven: its rounding, added up
 _FAR = 0.5  # of the reach: so far off, the distance to the truck says enough
 
 
@@ -67,7 +68,7 @@ def _note_directions(place, world, agent):
 def record_obstacle_collisions(place, task, world, agent):
     """Record the first collision of a HAV with a segment, in every lane, once it has moved.
 
-    ``note_posture`` comes before the move.
+    ``note_posture`` comes before the move, ``add_motion`` after it.
 
     Returns:
         How many HAVs collided for the first time.
@@ -81,7 +82,6 @@ def _record_nothing(place, task, world, agent):
 
 @record_obstacle_collisions.register(Obstacles)
 def _record_those_due(place, task, world, agent):
-    add_motion(place, world, agent)
     due = 0
     for lane in range(world.lanes):
         due += place.driven[agent, MOST_MOVED, lane] >= place.driven[agent, NEXT_DUE, lane]
@@ -128,9 +128,18 @@ def _find_margin_of_all(place, world, agent, lane):
     place.driven[agent, BODY_MARGIN, lane] = most
 
 
-@kernel
+@generic
 def add_motion(place, world, agent):
     """Add up by how much the points of a HAV have moved at most; see the module's docstring."""
+
+
+@add_motion.register(Plane)
+def _add_nothing(place, world, agent):
+    pass
+
+
+@add_motion.register(Obstacles)
+def _add_most_of_all(place, world, agent):
     state, fleet, moved = world.state, world.fleet, place.moved
     for lane in range(world.lanes):
         wheelbase = fleet.length[agent, 0, lane]
@@ -187,15 +196,19 @@ def _test_lanes(place, task, world, agent):
 
 @kernel
 def _test_segments(place, world, agent, lane):
-    """Test the segments that are due; return the first that a HAV collides with, or NEVER."""
+    """Test the segments that are due; return the first that a HAV collides with, or NEVER.
+
+    Where a scenario put a HAV on a segment, the segment stays due until the first step.
+    """
+    begun = world.state.clock[STEP, lane] > 0
     driven, due = place.driven[agent, MOST_MOVED, lane], place.due[world.first + lane, agent]
     least = math.inf
     for number in range(place.count[lane]):
         if due[number] <= driven:
             gap = gap_to_segment(world, agent, segment_of(place, number, lane), lane)
-            if gap <= 0.0:
+            if gap <= 0.0 and begun:
                 return number
-            due[number] = driven + gap - _ROUNDING
+            due[number] = driven + max(gap, 0.0) - (_ROUNDING + _OF_SUM * driven)
         least = min(least, due[number])
     place.driven[agent, NEXT_DUE, lane] = least
     return NEVER

@@ -1,7 +1,6 @@
 """This module casts rays from a HAV's truck: how far it is to obstacles and to other HAVs.
 
-A ray begins at the truck's rear axle and passes through the HAV's own bodies. Each is cast in both
-directions at once: what is behind has a negative length.
+A ray begins at the truck's rear axle and passes through the HAV's own bodies.
 """
 
 import math
@@ -14,13 +13,22 @@ from hav_env.world.place.segments import Obstacles, Plane, segment_of
 from hav_env.world.rectangle_bodies import body_of
 
 _TINY = 1e-30  # keeps quotients finite where a ray is parallel to a side
+_PARALLEL = 1e-6  # [rad], about, between a ray and a segment that it may run along
+_THIN = 1e-10  # [m], so thick is what is seen from an end
+
+
+@kernel
+def ahead_of(first, last):
+    """Return the least length of at least 0 between two [m], inf where there is none."""
+    inside = max(first, 0.0)
+    return inside if inside <= last else math.inf
 
 
 @kernel
 def to_segment(cosine, sine, x, y, half_x, half_y):
-    """Return the length at which a line through the origin meets a segment [m], inf if nowhere.
+    """Return the length of a ray from the origin to a segment [m], inf if they do not meet.
 
-    It is negative behind the origin.
+    Of a segment on the ray it is the length to the nearer end.
 
     Args:
         cosine: of the direction of the line.
@@ -32,9 +40,13 @@ def to_segment(cosine, sine, x, y, half_x, half_y):
     """
     turn = cosine * half_y - sine * half_x
     aside = x * sine - y * cosine
-    length = (x * half_y - y * half_x) / (turn if turn != 0.0 else _TINY)
-    meets = (abs(aside) <= abs(turn)) & (turn != 0.0)
-    return length if meets else math.inf
+    parallel = abs(turn) <= _PARALLEL * (abs(half_x) + abs(half_y))
+    length = (x * half_y - y * half_x) / (1.0 if parallel else turn)
+    along, half = x * cosine + y * sine, abs(half_x * cosine + half_y * sine)
+    first = along - half if parallel else length
+    last = along + half if parallel else length
+    meets = abs(aside) <= (_THIN if parallel else abs(turn))
+    return ahead_of(first, last) if meets else math.inf
 
 
 @kernel
@@ -58,16 +70,9 @@ def to_rectangle(cosine, sine, x, y, along_cosine, along_sine, half, width):
     aside = sine * along_cosine - cosine * along_sine
     per_ahead = 1.0 / (ahead if abs(ahead) > _TINY else _TINY)
     per_aside = 1.0 / (aside if abs(aside) > _TINY else _TINY)
-    middle, reach = forward * per_ahead, half * abs(per_ahead)
-    across, breadth = left * per_aside, width * abs(per_aside)
+    middle, reach = forward * per_ahead, (half + _THIN) * abs(per_ahead)
+    across, breadth = left * per_aside, (width + _THIN) * abs(per_aside)
     return max(middle - reach, across - breadth), min(middle + reach, across + breadth)
-
-
-@kernel
-def ahead_of(first, last):
-    """Return the least length of at least 0 between two [m], inf where there is none."""
-    inside = max(first, 0.0)
-    return inside if inside <= last else math.inf
 
 
 @kernel
@@ -95,8 +100,7 @@ def _to_nearest_segment(place, world, agent, cosine, sine, lane):
     nearest = math.inf
     for number in range(place.count[lane]):
         x, y, half_x, half_y = seen_segment(place, world, agent, number, lane)
-        length = to_segment(cosine, sine, x, y, half_x, half_y)
-        nearest = min(nearest, ahead_of(length, length))
+        nearest = min(nearest, to_segment(cosine, sine, x, y, half_x, half_y))
     return nearest
 
 
@@ -130,7 +134,7 @@ def seen_body(world, agent, other, unit, lane, front_x, front_y):
 def _to_havs(world, agent, cosine, sine, most, lane):
     """Return how far the nearest other HAV is in a direction of the truck's frame [m], or inf.
 
-    Who is farther away than ``most`` [m] is not looked for.
+    HAVs that are farther away than ``most`` [m] do not count.
     """
     nearest = math.inf
     for other in range(world.state.x.shape[0]):

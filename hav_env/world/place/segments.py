@@ -27,7 +27,7 @@ class Obstacles(NamedTuple):
     """
 
     segment: Array  # (S, 5, W) columns MIDDLE_X .. HALF_LENGTH
-    count: Array  # (W,) how many segments the world has; those beyond are points far away
+    count: Array  # (W,) how many segments the world has, or OVERFULL; the rest is far away
     due: Array  # (W, N, S) how far [m] a HAV has to be driven for a segment to be tested anew
     driven: Array  # (N, 3, W) columns MOST_MOVED .. BODY_MARGIN [m]
     cosine: Array  # (U, W) scratch: of the units of the HAV at hand, before it moves
@@ -43,7 +43,8 @@ MOST_MOVED, NEXT_DUE, BODY_MARGIN = range(3)
 # how far any end went, and of how much any direction changed, at most
 BEFORE_X, BEFORE_Y, WENT_X, WENT_Y, FARTHEST, MOST_TURNED = range(6)
 _MOTION_ROWS = MOST_TURNED + 1
-NOT_THERE = 1e12  # [m] where nobody drives, and nobody is put who was removed
+NOT_THERE = 1e12  # [m], farther than any HAV drives before the paper's longest episode ends
+OVERFULL = -1  # a segment was put into a world that has no room for it
 
 
 def allocate_place(num_segments: int, shape: tuple[int, int, int], zeros: Callable) -> Any:
@@ -58,8 +59,11 @@ def allocate_place(num_segments: int, shape: tuple[int, int, int], zeros: Callab
         return Plane()
     s, (n, u, w) = num_segments, shape
     segment = zeros((s, 5, w), np.float64)
+    if segment.flags.writeable:  # sizes are asked of what has no memory
+        segment[:, [MIDDLE_X, MIDDLE_Y]] = NOT_THERE
+        segment[:, DIRECTION_COSINE] = 1.0
     return Obstacles(
-        segment + np.array([NOT_THERE, NOT_THERE, 1.0, 0.0, 0.0])[:, None],
+        segment,
         zeros((w,), np.int64),
         zeros((w, n, s), np.float64),
         zeros((n, 3, w), np.float64),
@@ -89,7 +93,10 @@ def _obstacles_from(part, first):
 
 @generic
 def place_segment(place, number, lane, ax, ay, bx, by):
-    """Put a segment from a to b [m] into a world, under its number, from 0."""
+    """Put a segment from a to b [m] into a world, under its number, from 0.
+
+    A world without room for it does not begin: its scenario must state ``num_segments``.
+    """
 
 
 @place_segment.register(Plane)
@@ -99,6 +106,9 @@ def _place_none(place, number, lane, ax, ay, bx, by):
 
 @place_segment.register(Obstacles)
 def _place_one(place, number, lane, ax, ay, bx, by):
+    if not 0 <= number < place.segment.shape[0] or place.count[lane] == OVERFULL:
+        place.count[lane] = OVERFULL
+        return
     dx, dy = 0.5 * (bx - ax), 0.5 * (by - ay)
     half = math.sqrt(dx * dx + dy * dy)
     per_half = 1.0 / half if half > 0.0 else 0.0
@@ -122,7 +132,7 @@ def _clear_nothing(place, lane):
 
 @clear_place.register(Obstacles)
 def _clear_segments(place, lane):
-    for number in range(place.count[lane]):
+    for number in range(place.segment.shape[0]):
         place.segment[number, MIDDLE_X, lane] = NOT_THERE
         place.segment[number, MIDDLE_Y, lane] = NOT_THERE
         place.segment[number, HALF_LENGTH, lane] = 0.0

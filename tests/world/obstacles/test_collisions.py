@@ -159,3 +159,32 @@ def test_a_thin_truck_passes_where_a_wide_one_does_not():
     batch = Batch(scenario, 1, vehicle=OnAxle())
     batch.reset(0)
     assert steps_until_hit(batch) == NEVER
+
+
+@pytest.mark.parametrize("num_worlds", [1, 20])
+def test_what_happens_before_a_hav_waits_is_found_whatever_the_other_worlds_do(num_worlds):
+    """HAV 0 touches a wall and waits at its goal before the step that records; HAV 1 drives on."""
+    scenario = explicit(
+        [[4.0, 5.0]] * 2,
+        [[0.0, 0.0, 0.0], [0.0, 50.0, 0.0]],
+        [[[10.0, 0.0, 0.0]], [[900.0, 50.0, 0.0]]],
+        site=build_site(lines=[[[8.0, 0.0], [8.0, 3.0]]]),
+    )
+    batch = Batch(scenario, num_worlds, Task(record_every=60))
+    batch.reset(0)
+    ones = np.ones((2, num_worlds))
+    for _ in range(60):
+        batch.step(ones, 0.0 * ones)
+    assert batch.worlds.state.waiting[0].all()
+    assert (batch.worlds.record.first[0, OBSTACLE, WHEN] == 60).all()
+
+
+def test_a_hav_that_begins_at_a_wall_hits_it_in_the_first_step():
+    kerb = build_site(lines=[[[-3.0, 0.5], [-3.0, 2.5]]])
+    scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=kerb)
+    batch = Batch(scenario, 1, Task(on_obstacle="end"), OffAxle(bodies=Rectangles()))
+    batch.reset(0)
+    assert batch.worlds.record.first[0, OBSTACLE, WHEN, 0] == NEVER
+    batch.step(np.ones((1, 1)), np.zeros((1, 1)))
+    assert batch.worlds.record.first[0, OBSTACLE, WHEN, 0] == 1
+    assert batch.ended.all()

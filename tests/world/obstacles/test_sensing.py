@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from hav_env import Batch, Field, Observation, sensing
+from hav_env import Batch, Field, Observation, build_site, explicit, sensing
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.observation.columns import DISTANCE_CUT
 from hav_env.vehicles import VEHICLES
@@ -135,3 +135,27 @@ def test_the_plane_has_no_obstacles_to_see():
 def test_more_rays_than_lanes_are_refused():
     with pytest.raises(ValueError, match="rays is 129, but must be at least 0 and at most 128"):
         DecisionProcess(1, observation=Observation(rays=129))
+
+
+def test_rays_see_what_lies_on_them():
+    wall = build_site(lines=[[[20.0, 0.0], [30.0, 0.0]], [[0.0, -9.0], [0.0, -30.0]]])
+    havs = (
+        [[4.0, 5.0]] * 2,
+        [[0.0, 0.0, 0.0], [60.0, 0.0, 0.0]],
+        [[[9.0, 9.0, 0.0]], [[60.0, 40.0, 0.0]]],
+    )
+    process = DecisionProcess(
+        1, scenario=explicit(*havs, site=wall), observation=Observation(rays=4)
+    )
+    outcome = process.outcome()
+    process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, np.bool_), outcome)
+    rays = outcome.observation[0, 0, [process.columns.index(f"ray_{k}") for k in range(4)]]
+    assert np.allclose(rays * 50.0, [20.0, 50.0, 50.0, 9.0], atol=1e-5)
+    worlds = process.batch.worlds
+    for cosine, sine, length in ((1.0, 0.0, 20.0), (0.0, -1.0, 9.0), (-1.0, 0.0, 99.0)):
+        assert math.isclose(sensing.ray(worlds, 0, cosine, sine, 99.0, 0), length, abs_tol=1e-9)
+    plane = explicit(*havs)
+    process = DecisionProcess(1, scenario=plane)
+    process.begin(np.zeros(1, int), np.zeros(1, int), np.ones(1, np.bool_), process.outcome())
+    # the end of the trailer of the HAV ahead
+    assert math.isclose(sensing.ray(process.batch.worlds, 0, 1.0, 0.0, 99.0, 0), 55.0, abs_tol=1e-6)
