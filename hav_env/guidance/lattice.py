@@ -27,7 +27,7 @@ from hav_env.guidance.search import (
     find_direct,
     spread_backwards,
 )
-from hav_env.guidance.site import Grid, Site, lay_grid, measure_gaps
+from hav_env.guidance.walls import Grid, Walls, lay_grid, measure_gaps
 from hav_env.maths.geometry import TWO_PI
 from hav_env.models.annotations import Range
 from hav_env.models.checks import check_fields, check_relations, check_value, require
@@ -164,7 +164,7 @@ def search(
     goal: np.ndarray,
     radius: float,
     bounds: tuple[float, float, float, float],
-) -> tuple[Site, Drives, Nodes, np.ndarray]:
+) -> tuple[Walls, Drives, Nodes, np.ndarray]:
     """Return the walls, the drives, the nodes that they reach, and the goal.
 
     Args:
@@ -175,7 +175,7 @@ def search(
         bounds: the rectangle [m].
     """
     grid, rows, columns = lay_grid(bounds, lattice.cell)
-    site = Site(segments, measure_gaps(segments, grid, rows, columns), grid)
+    site = Walls(segments, measure_gaps(segments, grid, rows, columns), grid)
     drives = drives_of(lattice, goal[2], radius)
     nodes = _allocate_nodes(rows * columns * lattice.headings)
     if lattice.direct > 0.0:
@@ -232,7 +232,7 @@ def drives_of(lattice: Lattice, heading: float, radius: float) -> Drives:
 
 
 def table_of(
-    lattice: Lattice, site: Site, drives: Drives, nodes: Nodes, goal: np.ndarray
+    lattice: Lattice, site: Walls, drives: Drives, nodes: Nodes, goal: np.ndarray
 ) -> LatticeTable:
     """Return the lengths from the middle of the cells: a pose ahead of it is so much nearer.
 

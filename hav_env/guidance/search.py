@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hav_env.compiled import entry, rare_kernel
-from hav_env.guidance.site import path_keeps_clear
+from hav_env.guidance.walls import path_keeps_clear
 from hav_env.maths.dubins import LSL, RSR, shortest_path
 from hav_env.maths.geometry import TWO_PI, into_frame
 

@@ -26,7 +26,7 @@ from hav_env.guidance.lattice import (
     table_of,
 )
 from hav_env.guidance.search import find_direct, spread_backwards
-from hav_env.guidance.site import Grid
+from hav_env.guidance.walls import Grid
 
 _log = logging.getLogger(__name__)
 _FOLDER = "lattices"

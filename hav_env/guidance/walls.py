@@ -28,7 +28,7 @@ class Grid(NamedTuple):
     """Side of a cell [m]."""
 
 
-class Site(NamedTuple):
+class Walls(NamedTuple):
     """The walls, and how far the cells are from them."""
 
     segments: np.ndarray  # (S, 4) x1, y1, x2, y2 [m]

@@ -7,10 +7,10 @@ import pytest
 import shapely
 
 from hav_env.guidance import clearance_of
-from hav_env.guidance.site import (
+from hav_env.guidance.walls import (
     CHECKED_EVERY,
     Grid,
-    Site,
+    Walls,
     gap_of_point,
     lay_grid,
     measure_gaps,
@@ -23,7 +23,7 @@ from tests.support.budgets import budget
 
 def site_of(segments, size, cell):
     grid, rows, columns = lay_grid((0.0, 0.0, size, size), cell)
-    return Site(segments, measure_gaps(segments, grid, rows, columns), grid)
+    return Walls(segments, measure_gaps(segments, grid, rows, columns), grid)
 
 
 def test_gaps_are_those_of_shapely():
