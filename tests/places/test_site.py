@@ -86,6 +86,14 @@ def test_bodies_touch_what_they_share_a_point_with(chains, place, heading, lengt
     touched = touched_segment(site, corners)
     bodies = shapely.union_all([shapely.MultiPoint(body).convex_hull for body in corners])
     distance = bodies.distance(lines_of(site))
+    # where an end only just touches, rounding decides
+    ends = shapely.MultiPoint(site.segment.reshape(-1, 2))
+    rims = shapely.union_all([shapely.LinearRing(body) for body in corners])
+    near = min(
+        rims.distance(ends), lines_of(site).distance(shapely.MultiPoint(corners.reshape(-1, 2)))
+    )
+    if touched is None and near < 1e-9:
+        return
     if touched is None:
         assert distance > 0.0
     else:  # of a touch Shapely knows no more than rounding leaves

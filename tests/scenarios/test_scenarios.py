@@ -9,13 +9,15 @@ import sys
 import numpy as np
 import pytest
 
-from hav_env import Batch, Crossing, RandomFleet, RandomPoses
-from hav_env.scenarios import Explicit, populate
+from hav_env import Batch, Crossing, RandomFleet, RandomPoses, find_scenario
+from hav_env.scenarios import Explicit, Field, SitePoses, populate
+from hav_env.vehicles import VEHICLES
 from hav_env.world.arrays import FOOTPRINT, POTENTIAL
 from tests.support.budgets import COMPARED, COMPILED, budget
 from tests.support.worlds import bits, places_of, sample
 
-DRAWN = [kind for kind in populate.table if kind is not Explicit]
+REAL = "field-4", "docks-6"  # of real vehicles
+DRAWN = [kind for kind in populate.table if kind not in (Explicit, Field, SitePoses)]
 every_kind = pytest.mark.parametrize("kind", DRAWN)
 
 
@@ -56,6 +58,19 @@ def test_an_episode_does_not_depend_on_the_others(kind, num_havs):
         assert bits(alone.worlds) == bits(together.worlds, episode)
 
 
+@pytest.mark.parametrize("name", REAL)
+def test_nor_does_one_at_a_real_place(name):
+    together, alone = (
+        Batch(find_scenario(name), size, vehicle=VEHICLES.make("realistic")) for size in (12, 1)
+    )
+    together.reset(5)
+    for episode in (0, 3, 11):
+        alone.reset(5, np.array([episode]))
+        assert bits(alone.worlds) == bits(together.worlds, episode)
+        walls = together.worlds.place.segment[..., episode]
+        assert np.array_equal(alone.worlds.place.segment[..., 0], walls)
+
+
 @every_kind
 def test_an_episode_depends_on_seed_and_number(kind):
     batch, seen = Batch(kind(), 8), set()
@@ -80,20 +95,25 @@ SCRIPT = """
 import hashlib
 from hav_env import Batch
 from hav_env.world.lanes import view_of
-from hav_env.scenarios import Explicit, populate
+from hav_env import find_scenario
+from hav_env.scenarios import populate
+from hav_env.vehicles import VEHICLES
 from hav_env.world.units.parts import arrays_in
 
-for kind in populate.table:
+plain = [kind for kind in populate.table if kind.__name__ not in ("Explicit", "Field", "SitePoses")]
+for kind in (*plain, "field-4", "docks-6"):
     for num_havs in (1, 2, 5):
-        if kind is Explicit:
-            continue
-        batch = Batch(kind(num_havs=num_havs, num_goals=2), 5)
+        if isinstance(kind, str):
+            scenario, vehicle = find_scenario(kind)._replace(num_havs=num_havs), "realistic"
+        else:
+            scenario, vehicle = kind(num_havs=num_havs, num_goals=2), "on_axle"
+        batch = Batch(scenario, 5, vehicle=VEHICLES.make(vehicle))
         batch.reset(3)
         for w in range(5):
             world = view_of(batch.worlds, w)
             parts = world.state, world.fleet, world.goals, world.nearby.count, world.record
             found = hashlib.sha256(b"".join(array.tobytes() for array in arrays_in(parts)))
-            print(kind.__name__, num_havs, w, found.hexdigest())
+            print(kind, num_havs, w, found.hexdigest())
 """
 
 
@@ -104,7 +124,7 @@ def test_compiled_code_and_pure_python_draw_the_same_bits(capsys):
     other = subprocess.run(command, env=other_mode, capture_output=True, text=True, check=True)
     exec(SCRIPT, {})
     own = capsys.readouterr().out
-    assert len(own.splitlines()) == 15 * len(DRAWN)
+    assert len(own.splitlines()) == 15 * len((*DRAWN, *REAL))
     assert own == other.stdout
 
 
@@ -128,8 +148,13 @@ def test_a_seed_beyond_32_bits_is_an_error(seed):
 @pytest.mark.parametrize(
     ("kind", "field", "value"),
     [
-        *((kind, field, math.nan) for kind in DRAWN for field in kind._fields if field != "fleet"),
-        *((kind, field, 0) for kind in DRAWN for field in kind._fields if field != "fleet"),
+        *(
+            (kind, field, value)
+            for value in (math.nan, 0)
+            for kind in (*DRAWN, Field)
+            for field in kind._fields
+            if field != "fleet" and (field, value) != ("num_segments", 0)
+        ),
         (Crossing, "gap", -1.0),
         (Crossing, "gap", math.inf),
     ],

@@ -87,7 +87,8 @@ def layouts(arrays):
             ):
                 yield layout | {name: value}
         for name in layout["observation"]:
-            if name == "neighbors" or value is not True:  # the others are flags
+            # most others are flags; a range of 2.5 m is one
+            if (name == "neighbors" or value is not True) and (name, value) != ("ray_range", 2.5):
                 yield layout | {"observation": layout["observation"] | {name: value}}
         if value != {}:  # all fields have defaults
             yield layout | {"observation": value}
