@@ -22,7 +22,7 @@ class DescribeSite:
     tolerance: float | None = None
     """How far outlines may be from those in the file, to leave out points [m]."""
     unknown: Unknown = "free"
-    """What unknown cells of a map of ROS count as."""
+    """Meaning of unknown cells of maps of ROS: free, or occupied."""
 
 
 def describe_site(options: DescribeSite) -> None:

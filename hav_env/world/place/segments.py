@@ -22,8 +22,8 @@ class Obstacles(NamedTuple):
     """Segments that HAVs may collide with.
 
     A segment is tested against a HAV only when the HAV may have reached it: see
-    ``hav_env.world.obstacles.collisions``. The world is the first axis of what is looked through
-    for one HAV of one world.
+    ``hav_env.world.obstacles.collisions``. The world is the first axis of ``due``: the kernel reads
+    it row by row, for one HAV of one world.
     """
 
     segment: Array  # (S, 5, W) columns MIDDLE_X .. HALF_LENGTH
