@@ -36,7 +36,7 @@ from hav_env.world.place.segments import Obstacles, Plane, segment_of
 POINT_COLUMNS = (Column("present"), *place_columns(""))
 _AT = places_of(POINT_COLUMNS)
 OBSTACLE_SIZE = len(POINT_COLUMNS)
-_NOBODY_SQUARED = 1e20  # [m^2], farther than any segment is but those that a world does not have
+_ABSENT_SQUARED = 1e20  # [m^2]: segments are nearer, and places of absent ones farther away
 _WIDER = 1e-3  # [rad], more than single precision makes of an angle
 _to_segment = in_single(to_segment)
 
@@ -97,7 +97,7 @@ def _see_nearest(place, observation, world, agent, scratch, columns, first):
             columns[column + _AT.bearing_cosine, lane] = forward
             columns[column + _AT.bearing_sine, lane] = left
         for lane in range(world.lanes):
-            present = columns[column + _AT.distance, lane] < single(_NOBODY_SQUARED)
+            present = columns[column + _AT.distance, lane] < single(_ABSENT_SQUARED)
             forward = single(columns[column + _AT.bearing_cosine, lane])
             left = single(columns[column + _AT.bearing_sine, lane])
             columns[column + _AT.present, lane] = 1.0 if present else 0.0

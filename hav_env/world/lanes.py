@@ -233,9 +233,8 @@ def view_of(worlds: World, w: int) -> World:
 
 
 def _view_of_place(place: Any, w: int) -> Any:
-    """Return the place of one world: as in ``view_of``; segments that it does not have are left."""
+    """Return the place of one world, as ``view_of`` does; ``due`` has the world first."""
     if isinstance(place, Plane):
         return place
-    lanes = [part if name == "due" else part[..., w] for name, part in place._asdict().items()]
-    view = Obstacles(*lanes)
-    return view._replace(due=place.due[w])
+    parts = place._asdict().items()
+    return Obstacles(*(part[w] if name == "due" else part[..., w] for name, part in parts))

@@ -11,7 +11,7 @@ from hav_env.models.quantities import Attempts, Gap, Goals, Havs, Segments, Wide
 from hav_env.scenarios.catalogue_fleet import catalogue_fleet
 from hav_env.scenarios.fleets import Fleets, draw_fleet, scenario_key
 from hav_env.scenarios.random_poses import place_all
-from hav_env.scenarios.sites.witness import drive_in_thought
+from hav_env.scenarios.sites.witness import drive_witness
 from hav_env.world.arrays import HEADING, X, Y, put_straight
 from hav_env.world.obstacles.collisions import find_margin
 from hav_env.world.place.segments import MOST_MOVED, Obstacles, Plane, place_segment
@@ -23,9 +23,9 @@ _ROUNDS = 100  # of segments drawn anew, each of which refuses a part of the res
 class Field(NamedTuple):
     """Random poses among random walls; drive it with a vehicle that knows hitches.
 
-    Each HAV is driven in thought from its start to its goals along shortest Dubins paths, before
-    there are obstacles. Walls are then drawn until none is near to what any body swept on these
-    ways. So each HAV alone can reach its goals. Ways of different HAVs may cross.
+    First each HAV is simulated alone, from its start to its goals along shortest Dubins paths.
+    Walls are then drawn until none is near to what any body swept on these ways. So each HAV alone
+    can reach its goals. Ways of different HAVs may cross.
     """
 
     num_havs: Havs = 1
@@ -153,14 +153,14 @@ def _draw_wall(scenario, place, number, lane, key, draw):
 
 @kernel
 def _drive_all(scenario, world, lane):
-    """Drive all HAVs in thought to their goals; return whether none would jackknife."""
+    """Simulate the ways of all HAVs to their goals; return whether none would jackknife."""
     for agent in range(scenario.num_havs):
         _put_at_start(world, agent, lane)
         world.place.driven[agent, MOST_MOVED, lane] = 0.0
         find_margin(world.place, world, agent, lane)
         for phase in range(scenario.num_goals):
             goal = world.goals[agent, phase, :, lane]
-            driven = drive_in_thought(
+            driven = drive_witness(
                 *(world, agent, lane, goal, scenario.widening, scenario.margin),
                 scenario.num_segments,
             )

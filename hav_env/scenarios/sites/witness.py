@@ -1,4 +1,4 @@
-"""This module drives HAVs in thought along Dubins paths, as witnesses that their ways are free.
+"""This module simulates HAVs along Dubins paths: witnesses that their ways to goals are free.
 
 The truck follows the path exactly. The trailers follow the kinematics of the general n-trailer
 (``hav_env.vehicles.off_axle``), integrated over the driven path by the midpoint rule. A segment of
@@ -22,7 +22,7 @@ _STRIDE = 0.5  # [m] of the path, at most
 
 
 @rare_kernel
-def drive_in_thought(world, agent, lane, goal, widening, margin, count):
+def drive_witness(world, agent, lane, goal, widening, margin, count):
     """Drive a HAV from where it stands to a pose, and refuse segments that are too near.
 
     A segment is refused by NaN among what is due (``Obstacles.due``), for all HAVs. Those that are
