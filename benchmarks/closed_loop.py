@@ -1,8 +1,8 @@
-"""This module runs the workloads of the benchmark, in a process that waits for orders.
+"""This module runs the workloads of the benchmark, in a process that waits for requests.
 
 ``python benchmarks/closed_loop.py`` reads JSON lists of name, threads and share, one on a line, and
-answers each with HAV-steps/s. It uses only names that every version of hav_env has. So it measures
-an earlier version as well, if that one's folder comes first on the path.
+answers each with HAV-steps/s. It uses only names that every version of hav_env has. It therefore
+also measures an earlier version if that version's folder comes first on the path.
 """
 
 import json
@@ -41,7 +41,8 @@ def _trailers(count: int) -> RandomPoses:
     limits = {"min_trailers": count, "max_trailers": count}
     if "fleet" in RandomPoses._fields:
         return RandomPoses(fleet=RandomPoses().fleet._replace(**limits))
-    return RandomPoses(**limits)  # earlier versions, measured as well, have no fleet of its own
+    # earlier versions, which are measured too, have no fleet of their own
+    return RandomPoses(**limits)
 
 
 WORKLOADS = {
@@ -59,7 +60,7 @@ WORKLOADS = {
 
 
 def rate(name: str, threads: int, share: float) -> float:
-    """Return HAV-steps/s of a share of a workload; HAVs that wait do not count.
+    """Return HAV-steps/s of a share of a workload; waiting HAVs do not count.
 
     A rollout counts from placing the HAVs to its table. Without a policy, a batch is stepped.
     """
@@ -95,7 +96,7 @@ class Version:
     """A process that runs workloads with the code in a folder."""
 
     def __init__(self, folder: str) -> None:
-        """Start it."""
+        """Start the process."""
         path = os.pathsep.join([folder, str(_ROOT), os.environ.get("PYTHONPATH", "")])
         self._process = subprocess.Popen(
             [sys.executable, __file__],
@@ -107,28 +108,28 @@ class Version:
         )
 
     def rate(self, name: str, threads: int, share: float) -> float:
-        """Return ``rate`` as measured there."""
+        """Return ``rate`` as measured by the process."""
         self.ask(name, threads, share)
         return self.answer()
 
     def ask(self, name: str, threads: int, share: float) -> None:
-        """Let it measure ``rate``; do not wait for the answer."""
+        """Start the measurement of ``rate`` without waiting for the answer."""
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps([name, threads, share]) + "\n")
         self._process.stdin.flush()
 
     def answer(self) -> float:
-        """Return what it measured when it was asked last."""
+        """Return the result of the last request."""
         assert self._process.stdout is not None
         return float(self._process.stdout.readline())
 
     def close(self) -> None:
-        """End it."""
+        """End the process."""
         self._process.communicate()
 
 
 def rate_of_both(versions: tuple[Version, Version], name: str, share: float) -> float:
-    """Return the sum of what two processes reach at the same time, each on one thread.
+    """Return the sum of the rates of two simultaneous processes, each on one thread.
 
     They share nothing but the machine: two threads of one process can hardly reach more.
     """

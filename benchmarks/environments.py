@@ -57,15 +57,15 @@ def show(console: Console, rates: Rates, loaded: list[str], found: list[Aim]) ->
     if not importlib.util.find_spec("stable_baselines3"):
         missing.append("stable-baselines3")
     for package in missing:
-        console.print(f"{package} is not installed: no rows of it")
+        console.print(f"{package} is not installed: its rows are missing")
     heavy = ", ".join(fresh_process.HEAVY)
     console.print(f"import hav_env loads, of {heavy}: {', '.join(loaded) or 'nothing'}")
     show_aims(console, found)
 
 
 def show_aims(console: Console, found: list[Aim]) -> None:
-    """Print what is wanted beside what was measured."""
-    table = new_table("what is wanted", "what", "wanted", "measured", "short episodes", "reached")
+    """Print the aims beside the measurements."""
+    table = new_table("aims", "what", "wanted", "measured", "short episodes", "reached")
     words = {True: "yes", False: "no", None: "not measured"}
     for aim in found:
         cells = (figure_text(aim.measured, aim.unit), figure_text(aim.often_reset, aim.unit))
@@ -90,13 +90,13 @@ def main(
     seconds: float = 0.5,
     json_file: Annotated[pathlib.Path | None, tyro.conf.arg(name="json")] = None,
 ) -> None:
-    """Measure the environments, and what they are to be compared with.
+    """Measure the environments and those for comparison.
 
     Args:
-        quick: one short repetition, nothing above 1,024 worlds: does it run?
-        repetitions: of every measurement; the tables show medians.
-        seconds: that one measurement takes.
-        json_file: where to write the figures.
+        quick: Whether to run one short repetition with at most 1,024 worlds, as a smoke test.
+        repetitions: Repetitions of every measurement; the tables show medians.
+        seconds: Duration of one measurement [s].
+        json_file: File for the figures.
     """
     counts, singles, peers = (1, 64, 1_024, 4_096, 16_384), (1_024, 16_384), (1_024, 4_096, 16_384)
     if quick:
@@ -116,7 +116,7 @@ def main(
 
 
 def as_json(rates: Rates, imported: float, loaded: list[str], found: list[Aim]) -> dict:
-    """Return the figures as what JSON knows."""
+    """Return the figures as JSON values."""
     rows = [(key, rate) for key, rate in rates.items()]
     return {
         "vector": [{**k._asdict(), "rate": rate} for k, rate in rows if isinstance(k, Vector)],

@@ -1,7 +1,7 @@
-"""This module measures what real vehicles and obstacles cost: ``python -m benchmarks.obstacles``.
+"""This module measures the cost of real vehicles and obstacles: ``python -m benchmarks.obstacles``.
 
 It measures a step of one HAV with ten trailers, without a policy and in the learner's step, on one
-thread, in time of the processor. All rows take turns.
+thread, in CPU time. All rows take turns.
 """
 
 import time
@@ -33,7 +33,7 @@ PAPER = "the paper's: hitched on axles, lines, an empty plane"
 
 
 def drive(batch: Batch, seed: int) -> float:
-    """Return nanoseconds of a HAV-step of a batch, driven at random from the start of episodes."""
+    """Return nanoseconds of a HAV-step of a batch with random commands from the episodes' start."""
     shape, generator = batch.worlds.state.x.shape, np.random.default_rng(seed)
     batch.reset(seed)
     speed, steering = generator.uniform(0, 5, shape), generator.uniform(-0.6, 0.6, shape)
@@ -46,7 +46,7 @@ def drive(batch: Batch, seed: int) -> float:
 
 
 def learn(process: DecisionProcess, seed: int) -> float:
-    """Return nanoseconds of an agent-step of a decision process, with actions at random."""
+    """Return nanoseconds of an agent-step of a decision process, with random actions."""
     worlds, havs = process.num_worlds, process.num_havs
     outcome = process.outcome()
     keys = np.full(worlds, seed), np.arange(worlds), np.ones(worlds, np.bool_)
@@ -85,7 +85,7 @@ def policy_free() -> dict[str, Callable[[int], float]]:
 
 
 def observed() -> dict[str, Callable[[int], float]]:
-    """Return the learner's steps in field-4: the first one sees no obstacles."""
+    """Return the learner's steps in field-4: the first one observes no obstacles."""
     rows = {
         "without": Observation(),
         "4 points": Observation(obstacles=4),
@@ -104,7 +104,7 @@ def main(repetitions: int = 21) -> None:
     """Print the tables.
 
     Args:
-        repetitions: of which the median is shown.
+        repetitions: Number of repetitions, of which the table shows the median.
     """
     for title, runs in (
         ("ns for a HAV-step without a policy", policy_free()),

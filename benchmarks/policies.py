@@ -1,7 +1,7 @@
 """This module measures a step of one HAV under each policy: ``python -m benchmarks.policies``.
 
-It runs whole episodes of each policy in turn, on one thread, in time of the processor: simulation,
-records and policy. HAVs that wait count in the first figure, and not in the second.
+It runs whole episodes of each policy in turn, on one thread, in CPU time: simulation, records and
+policy. Waiting HAVs count in the first figure, and not in the second.
 """
 
 import time
@@ -18,7 +18,7 @@ from hav_env.policies.names import make_policy
 
 
 class Workload(NamedTuple):
-    """So many episodes of a scenario, so many steps of each."""
+    """A number of episodes of a scenario, and their number of steps."""
 
     scenario: str
     episodes: int
@@ -50,8 +50,8 @@ def main(repetitions: int = 3, share: float = 1.0) -> None:
     """Print the table.
 
     Args:
-        repetitions: of which the median is shown.
-        share: of the work; below a tenth, of the steps too.
+        repetitions: Number of repetitions, of which the table shows the median.
+        share: Share of the work; below a tenth, of the steps too.
     """
     samples: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for policy in POLICIES:

@@ -4,7 +4,7 @@ from rich.table import Table
 
 
 def by_row(rates: dict[tuple[str, str], float]) -> dict[str, dict[str, float]]:
-    """Turn (row, column) -> rate into row -> column -> rate."""
+    """Convert (row, column) -> rate to row -> column -> rate."""
     rows: dict[str, dict[str, float]] = {}
     for (row, column), rate in rates.items():
         rows.setdefault(row, {})[column] = rate
@@ -12,7 +12,7 @@ def by_row(rates: dict[tuple[str, str], float]) -> dict[str, dict[str, float]]:
 
 
 def new_table(title: str, first: str, *columns: str) -> Table:
-    """Return a table whose columns hold numbers, but for the first one."""
+    """Return a table whose columns hold numbers, except the first one."""
     table = Table(title=title)
     table.add_column(first)
     for column in columns:
@@ -21,10 +21,10 @@ def new_table(title: str, first: str, *columns: str) -> Table:
 
 
 def rate_text(value: float | None) -> str:
-    """Return a rate as text; nothing when there is none."""
+    """Return a rate as text; empty if there is none."""
     return "" if value is None else f"{value:,.0f}"
 
 
 def ratio_text(one: float | None, other: float | None) -> str:
-    """Return one rate over another one as text; nothing when one is missing."""
+    """Return the ratio of two rates as text; empty if one is missing."""
     return f"{one / other:.2f}" if one and other else ""

@@ -33,17 +33,17 @@ from benchmarks.yardsticks import limit
 from benchmarks.yardsticks.driving import check, drive_plain_python, drive_small_arrays
 from benchmarks.yardsticks.kinematics import kinematics_rate
 
-SCALAR = "8a46ef1"  # the last revision that worked on one HAV at a time
+SCALAR = "8a46ef1"  # the last revision that processed one HAV at a time
 PLAIN, ARRAYS = "plain Python floats", "small NumPy arrays"
 _ROOT = pathlib.Path(__file__).parents[1]
-_SCALAR_SHARE = 0.15  # of the work, for a version that takes so much longer
+_SCALAR_SHARE = 0.15  # share of the work, for a version that takes so much longer
 _YARDSTICK_STEPS = 6_000
 _MIX = "the paper's mix"
 _TRAILERS = {"1 trailer": 1, "5 trailers": 5, "10 trailers": 10, _MIX: None}
 
 
 class Figures(NamedTuple):
-    """The figures of one run of the benchmark, HAV-steps/s but for the last three."""
+    """Figures of one run of the benchmark, HAV-steps/s except for the last three."""
 
     closed_loop: dict[
         str, dict[str, float]
@@ -57,7 +57,7 @@ class Figures(NamedTuple):
 
 @contextlib.contextmanager
 def scalar_version() -> Iterator[Version | None]:
-    """Give the scalar revision as a running process; None where git does not have it."""
+    """Yield the scalar revision as a running process; None if git does not have it."""
     command = ["git", "archive", SCALAR, "hav_env", "baselines"]
     try:
         archive = subprocess.run(command, cwd=_ROOT, check=True, capture_output=True).stdout
@@ -75,7 +75,7 @@ def scalar_version() -> Iterator[Version | None]:
 
 
 def measure_closed_loop(repetitions: int, share: float) -> dict[str, dict[str, float]]:
-    """Measure the workloads, by this version and the scalar one, and the yardsticks."""
+    """Measure the workloads with this version and the scalar one, and the yardsticks."""
     runs: dict[tuple[str, str], Callable[[], float]] = {}
     now, beside = Version(str(_ROOT)), Version(str(_ROOT))
     with scalar_version() as scalar:
@@ -160,7 +160,7 @@ def show(figures: Figures) -> None:
             table.add_row(name, rate_text(value))
         console.print(table)
     for package in missing_packages():
-        console.print(f"{package} is not installed: no rows of it")
+        console.print(f"{package} is not installed: its rows are missing")
     if figures.first_start is not None:
         console.print(
             f"process start to first finished experiment: {figures.first_start:.1f} s on an empty"
@@ -175,19 +175,20 @@ def main(
     repetitions: int = 3,
     json_file: Annotated[pathlib.Path | None, tyro.conf.arg(name="json")] = None,
 ) -> None:
-    """Measure the closed loop, and what it is to be compared with.
+    """Measure the closed loop and the programs for comparison.
 
     Args:
-        quick: one repetition of a tenth of the work, no peers, no fresh processes: does it run?
-        repetitions: of every measurement; the tables show medians.
-        json_file: where to write the figures.
+        quick: Whether to run one repetition of a tenth of the work, without peers and fresh
+            processes, as a smoke test.
+        repetitions: Repetitions of every measurement; the tables show medians.
+        json_file: File for the figures.
     """
     check()
     first_start = second_start = None
     memory: dict[int, float] = {}
     if not quick:
         first_start, second_start = fresh_process.start_seconds()
-        fresh_process.peak_memory(1)  # compiles, which takes memory of its own
+        fresh_process.peak_memory(1)  # compiles, which takes additional memory
         memory = {count: fresh_process.peak_memory(count) for count in (500, 2_000)}
     repetitions, share = (1, 0.1) if quick else (repetitions, 1.0)
     figures = Figures(

@@ -1,7 +1,7 @@
 """This module measures the speed of PPO, beside the same PPO on worlds that cost nothing.
 
 ``python -m benchmarks.training`` prints the table of benchmarks/README.md. Both learn in turns, so
-that a shared machine is as slow for one as for the other.
+a shared machine slows both equally.
 """
 
 import dataclasses
@@ -16,33 +16,35 @@ from stable_baselines3.common.vec_env import VecEnv, VecNormalize
 
 from benchmarks.tables import new_table, rate_text
 from benchmarks.turns import medians_in_turns
-from train.ppo import PPO_PRESETS, Arguments, make_learner, make_worlds
+from train.loops.arguments import LoopArguments
+from train.sb3.arguments import PPO_PRESETS, Arguments
+from train.sb3.learner import make_learner, make_worlds
 
 
 class EmptyVecEnv(VecEnv):
-    """The rows and spaces of other worlds; nothing is simulated and no episode ends."""
+    """Rows and spaces of other worlds; nothing is simulated and no episode ends."""
 
     render_mode = None
 
     def __init__(self, like: VecEnv) -> None:
-        """Take the rows and spaces of other worlds.
+        """Copy the rows and spaces of other worlds.
 
         Args:
-            like: the worlds to imitate.
+            like: Worlds to imitate.
         """
         super().__init__(like.num_envs, like.observation_space, like.action_space)
         shape = (like.num_envs, *(like.observation_space.shape or ()))
         self._observation = np.random.default_rng(0).random(shape, np.float32)
 
     def reset(self) -> np.ndarray:
-        """Return the same as ever, as ``step`` does."""
+        """Return the same values as ``step``."""
         return self._observation.copy()
 
     def step_async(self, actions: np.ndarray) -> None:
         """Do nothing."""
 
     def step_wait(self) -> Any:
-        """Return what was seen at the beginning."""
+        """Return the observations of the beginning."""
         nothing = np.zeros(self.num_envs, np.float32)
         infos: list[dict] = [{} for _ in range(self.num_envs)]
         return self._observation.copy(), nothing, np.zeros(self.num_envs, bool), infos
@@ -59,16 +61,21 @@ class EmptyVecEnv(VecEnv):
         setattr(self, attr_name, value)
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list:
-        """Have no methods."""
+        """Raise an error: there are no methods."""
         raise AttributeError(method_name)
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Tell that no row is wrapped."""
+        """Return False for all rows: no row is wrapped."""
         return [False] * self.num_envs
 
 
-def prepare(arguments: Arguments, empty: bool, iterations: int) -> Callable[[], float]:
-    """Return what learns for some iterations and returns decisions/s; it has warmed up."""
+def prepare(
+    arguments: Arguments | LoopArguments,
+    empty: bool,
+    iterations: int,
+    clock: Callable[[], float] = time.perf_counter,
+) -> Callable[[], float]:
+    """Return a warm function that learns for some iterations and returns decisions/s by a clock."""
     worlds: VecEnv = make_worlds(arguments)
     if empty:
         worlds = EmptyVecEnv(worlds)
@@ -79,9 +86,9 @@ def prepare(arguments: Arguments, empty: bool, iterations: int) -> Callable[[], 
     learner.learn(each)
 
     def run() -> float:
-        begun = time.perf_counter()
+        begun = clock()
         learner.learn(iterations * each, reset_num_timesteps=False)
-        return iterations * each / (time.perf_counter() - begun)
+        return iterations * each / (clock() - begun)
 
     return run
 
@@ -90,8 +97,8 @@ def main(iterations: int = 3, repetitions: int = 5) -> None:
     """Measure the presets.
 
     Args:
-        iterations: rollouts with their updates in one turn.
-        repetitions: turns, whose median counts.
+        iterations: Rollouts with their updates in one turn.
+        repetitions: Number of turns, whose median counts.
     """
     import torch  # noqa: PLC0415 (the number of threads is the arguments')
 

@@ -1,6 +1,6 @@
 """This module measures in turns.
 
-Machines are shared, so it measures close in time what a table compares.
+Machines are shared, so it measures the entries of a table close in time.
 """
 
 import statistics
@@ -11,7 +11,7 @@ Key = TypeVar("Key")
 
 
 def medians_in_turns(runs: Mapping[Key, Callable[[], float]], repetitions: int) -> dict[Key, float]:
-    """Do all runs in turn, so many times over, and return the median of what each one returned."""
+    """Do all runs in turn, several times, and return the median of each run's results."""
     samples: dict[Key, list[float]] = {key: [] for key in runs}
     for _ in range(repetitions):
         for key, run in runs.items():

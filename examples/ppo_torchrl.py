@@ -3,9 +3,9 @@
     python examples/ppo_torchrl.py --steps 200000 --output pair.policy
     python -m baselines evaluate pair.policy --scenario paper-pair
 
-It is a recipe to begin from: one world, so it is slow, and TorchRL's own parts wherever there are
-any. TorchRL distinguishes the last observation of an episode from the first of the next one, and a
-truncation from an end, so advantages are right without further care.
+It is a recipe to start from: one world, so it is slow, and TorchRL's own parts where possible.
+TorchRL distinguishes the last observation of an episode from the first of the next one, and a
+truncation from a termination. Advantages are therefore right without further care.
 """
 
 import dataclasses
@@ -31,14 +31,14 @@ LOG, VALUE = ("hav", "sample_log_prob"), ("hav", "state_value")
 
 @dataclasses.dataclass
 class Arguments:
-    """How to train."""
+    """Options of the training."""
 
     output: pathlib.Path = pathlib.Path("ppo_torchrl.policy")
-    """The policy file."""
+    """Policy file to write."""
     steps: int = 200_000
-    """Actions of each HAV."""
+    """Number of actions of each HAV."""
     scenario: str = "paper-pair"
-    """Its name, or a JSON file."""
+    """Scenario: its name, or a JSON file."""
     rollout: int = 2_000
     """Actions of each HAV between updates; then episodes begin anew."""
     batch: int = 500
@@ -50,7 +50,7 @@ class Arguments:
     reward_scale: float = 0.1
     frame_skip: int = 5
     max_steps: int = 4_000
-    """Of an episode, in steps of the simulator."""
+    """Length of an episode in steps of the simulator."""
     seed: int = 1
 
 
@@ -60,19 +60,19 @@ def tower(columns: int, outputs: int) -> nn.Sequential:
     return nn.Sequential(first, nn.Tanh(), second, nn.Tanh(), nn.Linear(64, outputs))
 
 
-def train(told: Arguments) -> list[float]:
+def train(arguments: Arguments) -> list[float]:
     """Train, write the policy; return the mean rewards of an action, update by update."""
-    torch.manual_seed(told.seed)
+    torch.manual_seed(arguments.seed)
     torch.set_num_threads(1)
     settings = {
-        "scenario": told.scenario,
-        "frame_skip": told.frame_skip,
-        "max_steps": told.max_steps,
+        "scenario": arguments.scenario,
+        "frame_skip": arguments.frame_skip,
+        "max_steps": arguments.max_steps,
         "on_jackknife": "end",
         "on_collision": "end",
     }
     env = PettingZooWrapper(parallel_env(**settings))
-    env.set_seed(1_000_000 * told.seed)  # the evaluator's episodes have small seeds
+    env.set_seed(1_000_000 * arguments.seed)  # the evaluator's episodes have small seeds
     columns = env.observation_spec[OBSERVED].shape[-1]
     means, critic = tower(columns, 2), tower(columns, 1)
     with torch.no_grad():
@@ -84,14 +84,14 @@ def train(told: Arguments) -> list[float]:
         TensorDictModule(nn.Sequential(means, spread), [OBSERVED], [MEAN, DEVIATION]),
         in_keys=[MEAN, DEVIATION],
         out_keys=[env.action_key],
-        distribution_class=IndependentNormal,  # the environment cuts actions to [-1, 1]
+        distribution_class=IndependentNormal,  # the environment clips actions to [-1, 1]
         return_log_prob=True,
         log_prob_key=LOG,
     )
     loss = ClipPPOLoss(
         actor,
         TensorDictModule(critic, [OBSERVED], [VALUE]),
-        clip_epsilon=told.clip_range,
+        clip_epsilon=arguments.clip_range,
         entropy_bonus=False,
         normalize_advantage=True,
     )
@@ -103,30 +103,36 @@ def train(told: Arguments) -> list[float]:
         done=("hav", "done"),
         terminated=("hav", "terminated"),
     )
-    loss.make_value_estimator(ValueEstimators.GAE, gamma=told.discount, lmbda=told.gae_lambda)
-    optimizer = torch.optim.Adam(loss.parameters(), told.learning_rate)
+    loss.make_value_estimator(
+        ValueEstimators.GAE, gamma=arguments.discount, lmbda=arguments.gae_lambda
+    )
+    optimizer = torch.optim.Adam(loss.parameters(), arguments.learning_rate)
     curve = []
-    for update in range(max(1, told.steps // told.rollout)):
+    for update in range(max(1, arguments.steps // arguments.rollout)):
         with torch.no_grad():
-            data = env.rollout(told.rollout, actor, break_when_any_done=False)
+            data = env.rollout(arguments.rollout, actor, break_when_any_done=False)
             curve.append(float(data["next", "hav", "reward"].mean()))
-            data["next", "hav", "reward"] *= told.reward_scale
+            data["next", "hav", "reward"] *= arguments.reward_scale
             loss.value_estimator(
                 data,
                 params=loss.critic_network_params,
                 target_params=loss.target_critic_network_params,
             )
-        for _ in range(told.epochs):
-            for rows in torch.randperm(len(data)).split(told.batch):
-                told_loss = loss(data[rows])
+        for _ in range(arguments.epochs):
+            for rows in torch.randperm(len(data)).split(arguments.batch):
+                losses = loss(data[rows])
                 optimizer.zero_grad()
-                (told_loss["loss_objective"] + told_loss["loss_critic"]).backward()
+                (losses["loss_objective"] + losses["loss_critic"]).backward()
                 nn.utils.clip_grad_norm_(loss.parameters(), 0.5)
                 optimizer.step()
-        print(f"{(update + 1) * told.rollout:9,} steps, reward {curve[-1]:8.4f}", flush=True)
+        print(f"{(update + 1) * arguments.rollout:9,} steps, reward {curve[-1]:8.4f}", flush=True)
     layers = [part for part in means if isinstance(part, nn.Linear)]
-    about = {"algorithm": "PPO (examples/ppo_torchrl.py)", "steps": told.steps, "rewards": curve}
-    save_policy(network_of(layers, DecisionProcess(**settings)), told.output, about)
+    about = {
+        "algorithm": "PPO (examples/ppo_torchrl.py)",
+        "steps": arguments.steps,
+        "rewards": curve,
+    }
+    save_policy(network_of(layers, DecisionProcess(**settings)), arguments.output, about)
     return curve
 
 

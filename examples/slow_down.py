@@ -1,4 +1,4 @@
-"""This module is a policy of your own: the Dubins pursuit, slower the more the HAV is bent.
+"""This module is a custom policy: the Dubins pursuit, slower the more the HAV is bent.
 
 Run from this folder: python -m baselines evaluate avoid_jack slow_down:SlowDown
 """

@@ -1,1 +1,1 @@
-"""This package trains policies, and compares them."""
+"""This package trains policies by PPO, and compares trained policies with scripted ones."""

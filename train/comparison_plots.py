@@ -1,12 +1,14 @@
-"""This module plots a comparison: bars of figures, learning curves, one episode by every policy."""
+"""This module plots comparisons: bars, performance profiles, learning curves, the same episode."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from baselines.cli.markup import plot_text
+from baselines.figures.plot_labels import label_panels
 from baselines.figures.representative_episodes import Excerpt
 from baselines.figures.trajectory_plot import (
     BLUE,
@@ -17,13 +19,17 @@ from baselines.figures.trajectory_plot import (
     ORANGE,
     PURPLE,
     draw_episode,
+    explain_episode,
     new_figure,
     sheet,
 )
 from baselines.replay.trajectory import Trajectory
+from hav_env.evaluation.bootstrap import bootstrap, counted_mean
 from hav_env.evaluation.comparison import Score
 from hav_env.evaluation.figures import goal_hits
+from train.seed_scores import GroupScore
 
+_WHOLE_PERCENT = 10.0  # [%] shares above it are drawn on a logarithmic axis
 _COLORS = (GREY, BLUE, LIGHT, ORANGE, GREEN, PURPLE)
 
 
@@ -53,31 +59,56 @@ def draw_bars(scores: list[list[Score]], title: str) -> Figure:
 
 
 @sheet
+def draw_profiles(groups: list[GroupScore], title: str) -> Figure:
+    """Draw the share of worlds by time ratio, with 95 % bands, a line for each group."""
+    figure = new_figure(2.8)
+    axes = figure.subplots()
+    for place, group in enumerate(groups):
+        color, profile = _COLORS[place % len(_COLORS)], group.profile
+        style = ("-", "--", ":")[place // len(_COLORS) % 3]
+        label = plot_text(f"{group.name} ({group.seeds} seeds)" if group.seeds > 1 else group.name)
+        axes.plot(profile.limits, 100.0 * profile.share, color=color, ls=style, label=label)
+        band = 100.0 * profile.low, 100.0 * profile.high
+        axes.fill_between(profile.limits, *band, color=color, alpha=0.25, lw=0)
+    axes.set_xscale("log")
+    axes.set(xlabel="time / shortest", ylabel="share of worlds at most that [%]", ylim=(0, 100))
+    axes.set_title(plot_text(title))
+    axes.legend()
+    return figure
+
+
+@sheet
 def draw_curves(
-    curves: dict[str, list[dict[str, Any]]], name: str, reference: dict[str, float]
+    curves: dict[str, list[list[dict[str, Any]]]], name: str, reference: dict[str, float]
 ) -> Figure:
-    """Draw what policies reached on the held-out episodes while they learned.
+    """Plot learning curves: figures of the held-out episodes over decisions.
 
     Args:
-        curves: of each policy, the rows of its ``curve.json``.
-        name: of the policy to compare with.
-        reference: the figures of that policy, drawn as dashed lines.
+        curves: For each group, the ``curve.json`` of each of its seeds. Several seeds become their
+            mean with a 95 % band.
+        name: Name of the reference policy.
+        reference: The figures of the reference policy, plotted as dashed lines.
     """
     figure = new_figure(2.4)
     goals, harm = figure.subplots(1, 2)
-    rows = next(iter(curves.values()))
-    shown = [figure for figure in rows[0] if figure in reference]
+    rows = next(iter(curves.values()))[0]
+    shown = [what for what in rows[0] if what in reference]
     colors = dict(zip(shown, (BLUE, ORANGE, GREEN, PURPLE, DARK, GREY), strict=False))
-    for k, (policy, curve) in enumerate(curves.items()):
-        millions = [row["decisions"] / 1e6 for row in curve]
+    for k, (policy, of_seeds) in enumerate(curves.items()):
         for what in shown:
             axes = goals if what in goal_hits(shown) else harm
-            values = [100.0 * row[what] for row in curve]
+            decisions, *band = curve_band(of_seeds, what)
+            mean, low, high = (100.0 * values for values in band)
             label = plot_text(what if len(curves) == 1 else f"{policy}: {what}")
             style = ("-", "-.", ":")[k % 3]
-            axes.plot(millions, values, color=colors[what], ls=style, label=label)
+            axes.plot(decisions / 1e6, mean, color=colors[what], ls=style, label=label)
+            if len(of_seeds) > 1:
+                axes.fill_between(decisions / 1e6, low, high, color=colors[what], alpha=0.2, lw=0)
             axes.axhline(100.0 * reference[what], color=colors[what], lw=0.7, ls=(0, (4, 3)))
-    harm.set_yscale("symlog", linthresh=1.0)
+    harm.set_ylim(bottom=0.0)
+    if harm.get_ylim()[1] > _WHOLE_PERCENT:
+        harm.set_yscale("symlog", linthresh=1.0)
+        harm.yaxis.set_major_formatter("{x:g}")
     for axes in (goals, harm):
         axes.set(xlabel="decisions [millions]", ylabel="share of HAVs [%]")
         axes.set_title(f"dashed: {plot_text(name)}")
@@ -86,17 +117,40 @@ def draw_curves(
     return figure
 
 
+def curve_band(curves: list[list[dict[str, Any]]], what: str) -> np.ndarray:
+    """Return decisions, mean over seeds, and its 95 % bootstrap interval, (4, evaluations).
+
+    Args:
+        curves: The curve of each seed; only evaluations that all seeds have count.
+        what: Name of the figure.
+    """
+    by_seed = [{row["decisions"]: row.get(what, np.nan) for row in curve} for curve in curves]
+    common = sorted(set.intersection(*map(set, by_seed)))
+    found = []
+    for decisions in common:
+        values = np.array([[of_one[decisions]] for of_one in by_seed])
+        found.append((decisions, *bootstrap([values], counted_mean)[:3]))
+    return np.array(found, float).reshape(-1, 4).T
+
+
 @sheet
 def draw_side_by_side(trajectories: Sequence[Trajectory], names: Sequence[str]) -> Figure:
-    """Draw the same episode as every policy drove it."""
+    """Draw the same episode under every policy, side by side."""
     columns = 2
     rows = -(-len(trajectories) // columns)
-    figure = new_figure(3.2 * rows)
+    figure = new_figure(3.2 * rows + 0.5)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    labels = {}
+    handles: dict[object, Line2D] = {}  # one for each label
     for axes, trajectory, name in zip(panels, trajectories, names, strict=False):
         whole = Excerpt(0, len(trajectory.num_trailers))
         seconds = trajectory.step[-1] * trajectory.dt
-        draw_episode(axes, trajectory, f"{name}: {seconds:,.0f} s", whole, 3)
+        title = f"{name}: {seconds:,.0f} s"
+        labels[axes] = draw_episode(axes, trajectory, title, whole, 3)
+        axes.margins(0.08)
+        handles |= {handle.get_label(): handle for handle in explain_episode(trajectory, whole)}
     for axes in panels[len(trajectories) :]:
         axes.remove()
+    figure.legend(handles=[*handles.values()], loc="outside lower center", ncols=3)
+    label_panels(labels)
     return figure

@@ -1,6 +1,6 @@
-"""This module has the curriculum: training differs from scoring.
+"""This module has the curriculum: the differences between training and scoring.
 
-Harm weighs less at first, and long HAVs are more frequent.
+Penalties have smaller weights at first, and long HAVs are more frequent.
 """
 
 from typing import Any, NamedTuple
@@ -12,28 +12,28 @@ from hav_env.models.quantities import Share
 
 
 class Curriculum(NamedTuple):
-    """Harm weighs its full weight from some part of the training on, and less before.
+    """Penalties start at a share of their weights and reach their full weights during the training.
 
-    With the full weight from the beginning, HAVs that meet others learn to stand still: a
-    collision costs more than all the goals that they have not found yet.
+    With full weights from the start, HAVs that meet others learn to stand still: a collision costs
+    more than they gain from goals, which they do not find yet.
     """
 
     share: Share = 0.5
-    """Share of the weights of harm, at the beginning; 1 for no curriculum."""
+    """Initial multiplier of all penalty weights, from 0 to 1; 1 disables the curriculum."""
     begin: Share = 0.1
-    """Part of the training after which harm begins to weigh more ..."""
+    """Part of the training after which the penalty weights begin to grow, from 0 to 1."""
     end: Share = 0.5
-    """... and from which on it has its full weight."""
+    """Part of the training after which the penalties have their full weights, from 0 to 1."""
 
 
 def lengthen(scenario: Any, trailer_sigma: float) -> Any:
     """Return a scenario with another distribution of trailer counts, if it draws its HAVs.
 
-    Of the paper's HAVs one in 300 has nine trailers or more: too few to learn from.
+    One in 300 of the paper's HAVs has nine trailers or more: too few to learn from.
 
     Args:
-        scenario: of any kind; only a fleet that is drawn changes.
-        trailer_sigma: of the Rayleigh distribution of the counts.
+        scenario: Any scenario; only a random fleet changes.
+        trailer_sigma: Sigma of the Rayleigh distribution of the counts.
     """
     if not isinstance(scenario.fleet, RandomFleet):
         return scenario
@@ -44,8 +44,8 @@ def check_curriculum(curriculum: Curriculum) -> None:
     """Check a curriculum.
 
     Raises:
-        TypeError: when this is none, or a field has a value of another kind.
-        ValueError: naming the field, its value and what is allowed.
+        TypeError: If this is no curriculum, or a field has another type.
+        ValueError: If a value is out of range; the message names the field, its value and the rule.
     """
     check_value("curriculum", Curriculum, curriculum)
 
@@ -58,7 +58,7 @@ def _(curriculum: Curriculum) -> None:
 
 
 def harm_share(curriculum: Curriculum, progress: float) -> float:
-    """Return by which factor harm weighs when this part of the training is over, 0 to 1."""
+    """Return the multiplier of the penalty weights after this part of the training, 0 to 1."""
     if progress >= curriculum.end:
         return 1.0
     if progress <= curriculum.begin:
@@ -68,12 +68,12 @@ def harm_share(curriculum: Curriculum, progress: float) -> float:
 
 
 def reward_at(curriculum: Curriculum, reward: Any, progress: float) -> Any:
-    """Return the reward when this part of the training is over.
+    """Return the reward after this part of the training.
 
     Args:
-        curriculum: says how the weights of harm grow.
-        reward: with its full weights; ``harm_terms`` names those of harm.
-        progress: the part, from 0 to 1.
+        curriculum: The growth of the penalty weights.
+        reward: The reward with its full weights; ``harm_terms`` names its penalties.
+        progress: The part of the training, from 0 to 1.
     """
     share = harm_share(curriculum, progress)
     return reward._replace(**{term: share * getattr(reward, term) for term in harm_terms(reward)})

@@ -1,4 +1,4 @@
-"""This module keeps the folder of a training run: arguments, versions, atomic files."""
+"""This module writes and reads the folder of a training run: arguments and versions."""
 
 import importlib.metadata
 import json
@@ -22,11 +22,11 @@ _PACKAGES = ("gymnasium", "numba", "numpy", "pettingzoo", "ray", "stable-baselin
 
 
 def begin_run(folder: pathlib.Path, arguments: dict[str, Any]) -> None:
-    """Make the folder of a new run, and write down what makes it.
+    """Make the folder of a new run, and write its arguments and versions.
 
     Raises:
-        ValueError: when the folder holds something.
-        OSError: when it cannot be made or written to.
+        ValueError: If the folder is not empty.
+        OSError: If the folder cannot be made or is not writable.
     """
     if folder.exists() and not (folder.is_dir() and {p.name for p in folder.iterdir()} <= {LOCK}):
         raise ValueError(f"{folder} exists and is not empty: choose another --output, or --resume")
@@ -36,14 +36,15 @@ def begin_run(folder: pathlib.Path, arguments: dict[str, Any]) -> None:
 
 
 def read_run(folder: pathlib.Path, needed: str) -> dict[str, Any]:
-    """Return the arguments of a run that is to go on.
+    """Return the arguments of a run to resume.
 
     Args:
-        folder: of the run.
-        needed: name of the file to go on from.
+        folder: The folder of the run.
+        needed: Name of the file from which the run resumes.
 
     Raises:
-        ValueError: when this is no run, or it has not come as far as its first checkpoint.
+        ValueError: If this is no run, or the run has no such file yet.
+        PermissionError: If the folder is not writable.
     """
     description = folder / DESCRIPTION
     if not description.is_file():
@@ -59,7 +60,7 @@ def read_run(folder: pathlib.Path, needed: str) -> dict[str, Any]:
 
 
 def plain(arguments: Any) -> dict[str, Any]:
-    """Return a dataclass of arguments as JSON knows them."""
+    """Return a dataclass of arguments as values for JSON."""
 
     def told(name: str, value: Any) -> Any:
         if name in CHOSEN:
@@ -72,10 +73,10 @@ def plain(arguments: Any) -> dict[str, Any]:
 
 
 def restore(arguments_class: type[Arguments], told: dict[str, Any]) -> Arguments:
-    """Return the arguments that ``plain`` has written down.
+    """Return the arguments from their values in JSON, as ``plain`` returned them.
 
     Raises:
-        ValueError: when they are not arguments of this class.
+        ValueError: If they are not the arguments of this class.
     """
     usual = vars(arguments_class())
     try:
@@ -90,10 +91,10 @@ def restore(arguments_class: type[Arguments], told: dict[str, Any]) -> Arguments
 
 
 def _read_as(usual: Any, name: str, value: Any) -> Any:
-    """Return what JSON knows of a value as the kind of thing that it usually is.
+    """Return a value of JSON with the type of the default value of the argument.
 
     Raises:
-        TypeError: when it is something else.
+        TypeError: If it has another type.
     """
     if name in CHOSEN and isinstance(value, dict) and isinstance(value.get("class"), str):
         return _read_model(name, value)
@@ -118,7 +119,7 @@ def _read_as(usual: Any, name: str, value: Any) -> Any:
 
 
 def _describe_model(model: Any) -> dict[str, Any]:
-    """Return the class of a model and its parameters as JSON knows them."""
+    """Return the class of a model and its parameters as values for JSON."""
     model_class = type(model)
     fields = {
         name: _describe_model(value) if hasattr(value, "_asdict") else value
@@ -128,11 +129,11 @@ def _describe_model(model: Any) -> dict[str, Any]:
 
 
 def _read_model(kind: str, told: dict[str, Any]) -> Any:
-    """Return the model that ``_describe_model`` has described.
+    """Return the model of a description by ``_describe_model``.
 
     Raises:
-        ValueError: when there is no such class.
-        TypeError: when its parameters are others.
+        ValueError: If there is no such class.
+        TypeError: If the class has other parameters.
     """
     parameters = {
         name: _read_model(name, value) if name in REGISTRIES and isinstance(value, dict) else value
@@ -146,14 +147,14 @@ def _read_model(kind: str, told: dict[str, Any]) -> Any:
 
 
 def about_of(name: str) -> dict[str, Any]:
-    """Return how a trained policy came to be, without its curve; nothing for no policy."""
+    """Return the origin of a trained policy, without its curve; empty for no policy."""
     path = policy_file(name)
     about = load_trained(path).about if path else {}
     return {key: value for key, value in about.items() if key != "curve"}
 
 
 def versions() -> dict[str, Any]:
-    """Return what the outcome of a training depends on beside its arguments."""
+    """Return the versions and the machine that influence a training beside its arguments."""
     found = {}
     for package in _PACKAGES:
         try:
@@ -170,7 +171,7 @@ def versions() -> dict[str, Any]:
 
 
 def _revision() -> str:
-    """Return the revision of the working tree, with a + when files were changed; "" for none."""
+    """Return the git revision of the working tree, with a + after changes; "" without git."""
     here = pathlib.Path(__file__).parent
 
     def git(*words: str) -> str:

@@ -1,7 +1,6 @@
-"""This module scores a policy while it trains, and at the end on fresh episodes."""
+"""This module scores a policy during the training, and at the end on fresh episodes."""
 
 import pathlib
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -9,46 +8,70 @@ import pyarrow as pa
 from baselines.policies.files import load_trained, save_policy
 from baselines.policies.network import Network
 from hav_env.evaluation.comparison import figures_of, measure
-from hav_env.evaluation.figures import goal_hits
+from hav_env.evaluation.figures import FIGURES, figure_of_goal, goal_hits
 from hav_env.evaluation.rollout import rollout
+from hav_env.policies.filtered import filter_policy
 from hav_env.scenarios.presets import scenario_of
-from hav_env.vehicles import OnAxle
 from hav_env.world.event_table import HARM
+from hav_env.world.task import Task
+from train.training_task import Exercise
 
-# seeds of episodes: those that the best policy is scored on at the end, those that it is chosen by,
-# and the first of those to train on
+# seeds of episodes: of the final score of the best policy, of the choice of the best policy, and
+# the first of the training
 SCORED, HELD_OUT, TRAINING = 0, 1, 1_000_000
 
 
-def evaluate(
-    policy: Network, scenario: Any, episodes: int, vehicle: Any = OnAxle()
-) -> dict[str, float]:
-    """Return the evaluator's figures of a policy on the first of the held-out episodes."""
-    numbers = np.arange(episodes)
-    return _figures(rollout(policy, scenario_of(scenario), HELD_OUT, numbers, vehicle=vehicle))
+def evaluate(policy: Network, exercise: Exercise, episodes: int) -> dict[str, float]:
+    """Return the evaluator's figures of a policy on the first held-out episodes."""
+    return _figures(_roll(policy, exercise, HELD_OUT, episodes))
 
 
 def score(figures: dict[str, float]) -> float:
-    """Return by which number the best policy is chosen: goals, less what went wrong, twice."""
-    goals = [figures[name] for name in goal_hits(list(figures))]
+    """Return the score that selects the best policy: the share of goals hit minus penalties.
+
+    The penalties are twice the shares of harmful events, and the steps to the last goal over the
+    step limit. If no HAV hits the last goal, the steps do not count.
+    """
+    names = goal_hits(list(figures))
+    goals = [figures[name] for name in names]
     harm = sum(figures.get(event.label, 0.0) for event in HARM)
-    return float(np.mean(goals)) - 2.0 * harm
+    steps = figures.get(names[-1].replace("hit", "step"), 0.0)
+    return float(np.mean(goals)) - 2.0 * harm - steps / Task().max_steps
 
 
-def conclude(
-    path: pathlib.Path, scenario: Any, episodes: int, vehicle: Any = OnAxle()
-) -> dict[str, float]:
-    """Score a policy on episodes that nothing was chosen by; write the figures into its file."""
-    policy, about = load_trained(path)
-    table = rollout(policy, scenario_of(scenario), SCORED, np.arange(episodes), vehicle=vehicle)
+def conclude(path: pathlib.Path, exercise: Exercise, episodes: int) -> dict[str, float]:
+    """Score a policy on episodes that selected nothing; write the figures into its file."""
+    policy, about, safety = load_trained(path)
+    table = _roll(policy, exercise, SCORED, episodes)
     figures = _figures(table)
     first = table.select(["episode", "hav", "path_length", "largest_articulation"]).slice(0, 4)
     told = {"seed": SCORED, "episodes": episodes, "figures": figures, "first": first.to_pylist()}
-    save_policy(policy, path, about | {"evaluation": told})
+    save_policy(policy, path, about | {"evaluation": told}, safety)
     return figures
 
 
+def show_figures(figures: dict[str, float]) -> str:
+    """Return the figures of a policy as text: shares in percent, with the units of the others."""
+    goals = range(1, len(goal_hits(list(figures))) + 1)
+    kinds = {one.name: one for kind in FIGURES for one in (figure_of_goal(kind, k) for k in goals)}
+
+    def show(name: str, value: float) -> str:
+        if name in kinds and kinds[name].percent:
+            return f"{name} {100 * value:.2f} %"
+        return f"{name} {value:,.0f}" if value >= 1_000.0 else f"{name} {value:.3g}"
+
+    return ", ".join(show(name, value) for name, value in figures.items())
+
+
+def _roll(policy: Network, exercise: Exercise, seed: int, episodes: int) -> pa.Table:
+    """Run the first episodes of a seed, with the filter and the guidance of the training."""
+    vehicle, guidance = exercise.vehicle, exercise.guidance
+    driver = filter_policy(policy, exercise.safety, Task(), vehicle)
+    scenario, numbers = scenario_of(exercise.scenario), np.arange(episodes)
+    return rollout(driver, scenario, seed, numbers, vehicle=vehicle, guidance=guidance)
+
+
 def _figures(table: pa.Table) -> dict[str, float]:
-    """Return the figures of a table; those without a value are left out."""
+    """Return the figures of a table, except those without a value."""
     values = {figure.name: measure(table, figure).value for figure in figures_of(table)}
     return {name: value for name, value in values.items() if np.isfinite(value)}

@@ -1,7 +1,8 @@
 """This module states the training task for any stack: scenario, observation, reward."""
 
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
+from baselines.cli.run_options import Safety
 from hav_env import Observation, OnAxle, Reward, Task
 from hav_env.mdp.decision_process import Settings
 from hav_env.scenarios.presets import scenario_of
@@ -13,11 +14,11 @@ REWARD = Reward(goal=20.0, jackknife=-200.0, articulation=-4.0, time=-0.05)
 
 
 class Exercise(Protocol):
-    """The arguments of a training that say what is practised, not how it is learned."""
+    """The arguments of a training that define the task, not the learner."""
 
     @property
     def scenario(self) -> str:
-        """The scenario's name, or a JSON file."""
+        """Scenario: its name, a JSON file or module:Class."""
 
     @property
     def trailer_sigma(self) -> float:
@@ -25,39 +26,58 @@ class Exercise(Protocol):
 
     @property
     def observation(self) -> Observation:
-        """The observation of others."""
+        """Observation of the HAVs."""
 
     @property
     def vehicle(self) -> Any:
-        """The kinematics."""
+        """Kinematics of the HAVs."""
+
+    @property
+    def safety(self) -> Safety:
+        """Events that the safety filter prevents, in training and in evaluations."""
+
+    @property
+    def guidance(self) -> str:
+        """Name of the guidance to the goals."""
+
+    @property
+    def on_collision(self) -> Literal["record", "end"]:
+        """Rule of training episodes for a collision of HAVs, see ``Task``."""
 
     @property
     def reward(self) -> Any:
-        """Weights of its terms."""
+        """Reward with the weights of its terms."""
 
     @property
     def frame_skip(self) -> int:
-        """For how many steps of the simulator an action is held."""
+        """Number of simulator steps that an action is held."""
 
     @property
     def max_steps(self) -> int:
-        """Largest length of an episode to train on, in steps of the simulator."""
+        """Step limit of a training episode, in simulator steps."""
 
 
 def settings_of(arguments: Exercise, threads: int | None = None) -> Settings:
-    """Return what the environments are built from.
+    """Return the settings of the training environments.
 
     Args:
-        arguments: of a training.
-        threads: how many step the worlds.
+        arguments: The arguments of a training.
+        threads: Number of threads that step the worlds.
     """
     return {
         "threads": threads,
         "scenario": lengthen(scenario_of(arguments.scenario), arguments.trailer_sigma),
         "observation": arguments.observation,
         "vehicle": arguments.vehicle,
+        "safety": arguments.safety,
+        "guidance": arguments.guidance,
         "reward": arguments.reward,
         "frame_skip": arguments.frame_skip,
         "info": "ends",
-        "task": Task(max_steps=arguments.max_steps, on_jackknife="end", on_collision="end"),
+        "task": Task(
+            max_steps=arguments.max_steps,
+            on_jackknife="end",
+            on_collision=arguments.on_collision,
+            on_obstacle="end",
+        ),
     }

@@ -6,7 +6,7 @@ from hav_env.compiled import default_threads
 from hav_env.models.annotations import Range
 from hav_env.models.checks import check_value
 
-MOST_ROWS = 10**8  # of a table: a row is a HAV's episode
+MOST_ROWS = 10**8  # of a table: a row is an episode of a HAV
 MOST_THREADS = 1_024
 
 
@@ -14,15 +14,15 @@ def check_whole(name: str, value: Any, least: int, most: int, more: str = "") ->
     """Check a whole number.
 
     Args:
-        name: name of the argument.
-        value: value that the user gave.
-        least: the smallest number that is allowed.
-        most: the largest number that is allowed.
-        more: text to add behind the bounds.
+        name: Name of the argument.
+        value: Value from the user.
+        least: The smallest valid number.
+        most: The largest valid number.
+        more: Text to append to the bounds.
 
     Raises:
-        TypeError: when it is no whole number.
-        ValueError: when it is out of bounds.
+        TypeError: If the value is no whole number.
+        ValueError: If the value is out of bounds.
     """
     said = f"at least {least} and at most {most}{more}"
     check_value(name, Annotated[int, Range(least, most, said=said)], value)
@@ -32,17 +32,17 @@ def check_threads(threads: int | None) -> None:
     """Check a number of threads; None is ``HAV_THREADS`` or all cores.
 
     Raises:
-        TypeError, ValueError: when it cannot be.
+        TypeError, ValueError: If the number is invalid.
     """
     count = default_threads() if threads is None else threads
     check_whole("threads", count, 1, MOST_THREADS)
 
 
 def check_episodes(name: str, count: int, num_havs: int) -> None:
-    """Check a number of episodes that a table is to hold.
+    """Check a number of episodes for one table.
 
     Raises:
-        TypeError, ValueError: when it cannot be.
+        TypeError, ValueError: If the number is invalid.
     """
     each = f" with {num_havs} HAVs each" if num_havs > 1 else ""
     check_whole(name, count, 1, MOST_ROWS // num_havs, each)

@@ -1,4 +1,4 @@
-"""This module escapes text for Markdown and plots, and makes names of files of any names."""
+"""This module escapes text for Markdown and plots, and converts any names to names of files."""
 
 import hashlib
 import re
@@ -7,13 +7,14 @@ from collections.abc import Sequence
 
 from hav_env.models.text import visible
 
-_LONGEST_FILE_NAME = 100  # characters of a name of a file, without its suffix
-# what begins or ends markup; a lone star, underscores within words and intervals in brackets do not
+_LONGEST_FILE_NAME = 100  # characters of the name of a file, without its suffix
+# characters that begin or end markup: no lone star, no underscore within a word, no interval in
+# brackets
 _MARKUP = re.compile(r"[\\`|<&~$]|(?<=\S)\*|\*(?=\S)|(?<!\w)_|_(?!\w)|\](?=[(\[:])")
 
 
 def markdown(rows: list[list[str]]) -> str:
-    """Write rows as a table in Markdown; the first row is the head."""
+    """Return rows as a table in Markdown; the first row is the head."""
     lines = ["| " + " | ".join(map(_escape_cell, row)) + " |" for row in rows]
     lines.insert(1, "|" + "|".join(["---"] + ["--:"] * (len(rows[0]) - 1)) + "|")
     return "\n".join(lines) + "\n"
@@ -24,29 +25,29 @@ def _escape_cell(text: str) -> str:
 
 
 def code(text: str) -> str:
-    """Write text as code in Markdown, whatever it holds."""
+    """Return any text as code in Markdown."""
     fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
     space = " " if len(fence) > 1 else ""
     return f"{fence}{space}{visible(text)}{space}{fence}"
 
 
 def plot_text(text: str) -> str:
-    """Return text that a plot shows as it is: dollars begin no formula there, and no label hides.
+    """Return text that a plot shows unchanged: dollars begin no formula, and no label hides.
 
-    Labels that begin with an underscore are left out of legends.
+    Legends leave out labels that begin with an underscore.
     """
     shown = visible(text).replace("$", r"\$")
     return f" {shown}" if shown.startswith("_") else shown
 
 
 def file_names(names: Sequence[str], others: str = r"\W+") -> list[str]:
-    """Return a name of a file, without suffix, for each of some names; equal ones for equal ones.
+    """Return a name of a file, without suffix, for each name; equal names get equal files.
 
     Args:
-        names: any text.
-        others: matches what becomes a dash.
+        names: Any text.
+        others: Pattern of the characters that become a dash.
 
-    Names that would share a file, letter case aside, get a digest of the name behind it.
+    Different names that would share a file, ignoring case, get a digest as a suffix.
     """
     plain = {name: re.sub(others, "-", name) for name in names}
     shared = Counter(label.casefold() for label in plain.values())

@@ -1,6 +1,7 @@
 """This module builds the options of a command line from the parameters of models."""
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 import tyro
@@ -9,12 +10,18 @@ from hav_env.cli.options import parse_options
 
 
 def take_option(arguments: list[str], option: str, default: str) -> tuple[str, list[str]]:
-    """Take one option with its value out of the arguments."""
+    """Take one option with its value out of the arguments.
+
+    Raises:
+        ValueError: If the option has no value.
+    """
     kept, value = [], default
     remaining = iter(arguments)
     for argument in remaining:
         if argument == option:
-            value = next(remaining, "")
+            value = next(remaining, "--")
+            if value.startswith("--"):
+                raise ValueError(f"{option} needs a value behind it")
         elif argument.startswith(f"{option}="):
             value = argument.partition("=")[2]
         else:
@@ -29,28 +36,39 @@ def take_words(arguments: list[str]) -> tuple[list[str], list[str]]:
 
 
 def asks_for_help(arguments: list[str]) -> bool:
-    """Tell whether the arguments of a command ask for its help."""
+    """Return whether the arguments of a command request its help."""
     return bool({"-h", "--help"} & set(arguments))
 
 
 def read_options(
-    usage: str, description: str, arguments: list[str], fields: list[tuple], common: Any
+    usage: str,
+    description: str,
+    arguments: list[str],
+    fields: list[tuple],
+    common: Any,
+    names: Mapping[str, str] | None = None,
 ) -> Any:
-    """Let tyro build the options of a command.
+    """Parse the options of a command by tyro.
 
     Args:
-        usage: the command, with which the help begins.
-        description: the purpose of the command, for the help.
-        arguments: the command line without what was taken from it.
+        usage: The command, for the first line of the help.
+        description: Purpose of the command, for the help.
+        arguments: The remaining words of the command line.
         fields: (name, type), (name, type, default) or (name, type, default, help) of each option.
-        common: further options with their defaults, an instance of a dataclass.
+        common: Further options with their defaults, an instance of a dataclass.
+        names: The names that each argument takes, for the help.
 
     Returns:
         An object with an attribute for each option.
 
     Raises:
-        ValueError: when tyro cannot read the arguments; its complaint in one line.
+        ValueError: If tyro cannot parse the arguments; the message has one line.
     """
+    own_names = {name for name, *_ in fields}
+    for word in arguments:
+        if word.startswith("--policy.") and "policy" not in own_names:
+            message = "needs a command with one policy, which has options; a trained one has none"
+            raise ValueError(f"{word} {message}")
     own = []
     for name, kind, *rest in fields:
         described = Annotated[kind, tyro.conf.arg(help=rest[1])] if len(rest) == 2 else kind
@@ -58,4 +76,4 @@ def read_options(
         own.append((name, described, dataclasses.field(default=default)))
     options_class = dataclasses.make_dataclass("Options", own, bases=(type(common),))
     default = options_class(**vars(common))
-    return parse_options(options_class, usage, description, arguments, default)
+    return parse_options(options_class, usage, description, arguments, default, names)

@@ -1,11 +1,11 @@
-"""This module shows a progress bar with the rate and the time left."""
+"""This module shows a progress bar with the rate and the remaining time."""
 
 import rich.progress
 from rich.console import Console
 
 
 def new_bar(what: str) -> rich.progress.Progress:
-    """Return a bar over a number of things, drawn on standard error; ``rate`` is a field of it."""
+    """Return a bar on standard error over a number of items; ``rate`` is one of its fields."""
     return rich.progress.Progress(
         rich.progress.TextColumn(f"{{task.completed:,}}/{{task.total:,}} {what}"),
         rich.progress.BarColumn(),
@@ -20,7 +20,7 @@ class Progress:
     """A bar over a number of experiments, as a context manager."""
 
     def __init__(self, num_experiments: int) -> None:
-        """Prepare the bar; it shows once the context is entered."""
+        """Prepare the bar; entering the context shows it."""
         self._bar = new_bar("experiments")
         self._task = self._bar.add_task("", total=num_experiments, rate="")
         self._steps = self._experiments = 0
@@ -31,13 +31,13 @@ class Progress:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Stop the bar; errors pass."""
+        """Stop the bar; let errors pass."""
         self._bar.stop()
 
     def advance(self, experiments: int, steps: int) -> None:
-        """Move on by a number of experiments, which took so many steps of moving HAVs.
+        """Advance the bar by a number of experiments and by their steps of moving HAVs.
 
-        No steps mean that an earlier run did them: they do not count for the rate.
+        Without steps, an earlier run did the experiments: they do not count for the rate.
         """
         self._steps += steps
         self._experiments += experiments if steps else 0

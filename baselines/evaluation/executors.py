@@ -18,26 +18,26 @@ from hav_env.compiled import classes_in, digest_code
 
 Done = Generator[tuple[range, pa.Table], None, None]
 Part = Callable[[range, int | None], pa.Table]
-"""Runs a span of episodes on so many threads."""
+"""Runs a span of episodes on a number of threads."""
 Engine = Callable[[Part, Iterable[range], int | None], Done]
-"""Gives the tables of spans, in any order, as they are done."""
+"""Yields the tables of spans, in any order, as they are completed."""
 
 ENGINES = ("local", "ray")
-_TASKS_AHEAD = 64  # tasks that a cluster is given before others are done, at least
+_TASKS_AHEAD = 64  # smallest number of tasks submitted to a cluster before others are completed
 
 
 @contextlib.contextmanager
 def open_engine(name: str = "local", address: str | None = None) -> Iterator[Engine]:
-    """Give the engine of a name.
+    """Yield the engine of a name.
 
     Args:
-        name: one of ``ENGINES``.
-        address: of the Ray cluster; None starts one on this machine.
+        name: One of ``ENGINES``.
+        address: Address of the Ray cluster; None starts one on this machine.
 
     Raises:
-        ValueError: when there is no such engine, or it has no address.
-        ImportError: when Ray is not installed.
-        ConnectionError: when nobody answers at the address.
+        ValueError: If there is no such engine, or it has no address.
+        ImportError: If Ray is not installed.
+        ConnectionError: If the address does not respond.
     """
     if name not in ENGINES:
         raise ValueError(f"unknown engine {name!r}; known: {', '.join(ENGINES)}")
@@ -51,23 +51,23 @@ def open_engine(name: str = "local", address: str | None = None) -> Iterator[Eng
 
 
 def run_here(part: Part, spans: Iterable[range], threads: int | None) -> Done:
-    """Run spans one after the other."""
+    """Run spans one after another."""
     for span in spans:
         yield span, part(span, threads)
 
 
 def run_on_cluster(ray: Any, part: Part, spans: Iterable[range], threads: int | None) -> Done:
-    """Run spans as tasks of a cluster, each with a core for every thread, by default one.
+    """Run spans as tasks of a cluster, each with one core per thread, by default one.
 
     Raises:
-        ValueError: when a machine of the cluster has other code; or whatever a task raises.
-        OSError: when the cluster cannot run a task.
+        ValueError: If a machine of the cluster has other code; also any error that a task raises.
+        OSError: If the cluster cannot run a task.
     """
     threads = threads or 1
     cores = [int(node["Resources"].get("CPU", 0)) for node in ray.nodes() if node["Alive"]]
-    # a task that asks for more cores than any machine has would wait for ever
+    # a task that requests more cores than any machine has would never start
     task = ray.remote(num_cpus=min(threads, max(cores, default=0) or threads))(_run_there)
-    shared = ray.put((part, _digest(part)))  # is sent to a machine once
+    shared = ray.put((part, _digest(part)))  # Ray sends it to each machine once
     left = iter(spans)
     waiting: dict[Any, range] = {}
     try:
@@ -88,11 +88,11 @@ def _table_of(ray: Any, done: Any) -> pa.Table:
     try:
         return ray.get(done)
     except ray.exceptions.RayError as error:
-        cause = getattr(error, "cause", error)  # what a task raised
+        cause = getattr(error, "cause", error)  # the error of the task
         if not isinstance(cause, ray.exceptions.RayError):
             raise cause from None
-        told = str(cause).partition("\n")[0]  # without the traceback
-        raise OSError(f"the Ray cluster cannot run episodes: {told}") from None
+        message = str(cause).partition("\n")[0]  # without the traceback
+        raise OSError(f"the Ray cluster cannot run episodes: {message}") from None
 
 
 def _run_there(shared: tuple[Part, str], span: range, threads: int) -> pa.Table:

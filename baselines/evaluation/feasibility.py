@@ -1,4 +1,4 @@
-"""This module finds in a table the worlds with unreachable goals, and the shortest times."""
+"""This module finds the worlds with unreachable goals in a table, and the shortest times."""
 
 import math
 
@@ -11,7 +11,7 @@ from hav_env.maths.dubins import path_length
 
 
 def column(table: pa.Table, name: str) -> np.ndarray:
-    """Return a column of a table as floats, NaN where it is null."""
+    """Return a column of a table as floats, NaN for null."""
     return table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
 
 
@@ -44,7 +44,7 @@ def goals_crossing(table: pa.Table, num_havs: int) -> np.ndarray:
 
 
 def _side(a, b, p):
-    """Return a number above 0 where p is to the left of the line from a to b; all are complex."""
+    """Return a number above 0 if p is left of the line from a to b; all are complex."""
     return ((b - a).conjugate() * (p - a)).imag
 
 
@@ -53,8 +53,8 @@ def shortest_times(table: pa.Table, fleet) -> tuple[np.ndarray, np.ndarray]:
 
     A path to the second or a later goal begins at the goal before. The paths of the first array
     have the truck's own radius, l^0 / tan(phi^max). Those of the second have the radius of
-    Reserve's circle: ``CIRCLE_FACTOR`` times the least radius on which the trailers too can drive
-    without end, max(sqrt(sum (l^j)^2), l^0 / tan(phi^max)).
+    Reserve's circle. It is ``CIRCLE_FACTOR`` times the least radius on which the trailers can also
+    drive without end, max(sqrt(sum (l^j)^2), l^0 / tan(phi^max)).
     """
     step = fleet.speed_max * Task().dt
     truck = column(table, "truck_length")

@@ -1,6 +1,6 @@
 """This module runs evaluations on a Ray cluster.
 
-It imports Ray only when it runs. Without an address it starts Ray on this machine.
+It imports Ray only at run time. Without an address it starts Ray on this machine.
 """
 
 import contextlib
@@ -12,25 +12,25 @@ import socket
 from collections.abc import Iterator
 from typing import Any
 
-_JOB = "RAY_JOB_CONFIG_JSON_ENV_VAR"  # is set in what ``ray job submit`` runs
+_JOB = "RAY_JOB_CONFIG_JSON_ENV_VAR"  # ``ray job submit`` sets it for its jobs
 
 
 @contextlib.contextmanager
 def connect(address: str | None = None) -> Iterator[Any]:
-    """Give Ray, connected; leave the cluster at the end unless it was connected before.
+    """Yield Ray, connected; leave the cluster at the end unless it was connected before.
 
-    Workers can import what lies in the working directory: on this machine as it is, on a cluster
-    as a copy without what ``.gitignore`` names. There they need the project's dependencies, and the
-    project itself where the working directory is not a clone of it.
+    On this machine, workers import modules from the working directory itself. On a cluster, they
+    import from a copy without the files that ``.gitignore`` names. A cluster needs the project's
+    dependencies, and the project itself if the working directory is not a clone of it.
 
     Args:
-        address: of a cluster that is there, ``HOST:PORT`` or ``auto``; None starts one here, which
-            lives as long as it is wanted.
+        address: Address of a running cluster, ``HOST:PORT`` or ``auto``; None starts one here for
+            the duration of the context.
 
     Raises:
-        ImportError: when Ray is not installed.
-        ValueError: when the address is none.
-        ConnectionError: when nobody answers at it.
+        ImportError: If Ray is not installed.
+        ValueError: If the address is invalid.
+        ConnectionError: If the address does not respond.
     """
     ray = load_ray()
     if address is not None:
@@ -53,23 +53,25 @@ def connect(address: str | None = None) -> Iterator[Any]:
 
 
 def load_ray() -> Any:
-    """Return the module.
+    """Return the module ``ray``.
 
     Raises:
-        ImportError: when it is not installed.
+        ImportError: If Ray is not installed.
     """
     try:
         return importlib.import_module("ray")
     except ImportError as error:
-        raise ImportError(f"this needs Ray ({error}): pip install 'hav_env[ray]'") from None
+        raise ImportError(
+            f"this needs Ray ({error}): run pip install -e '.[ray]' in the clone"
+        ) from None
 
 
 def check_address(address: str) -> None:
-    """Check an address and that somebody answers there, which takes Ray itself many minutes.
+    """Check an address and that a cluster responds there; Ray itself would take many minutes.
 
     Raises:
-        ValueError: when it is none.
-        ConnectionError: when nobody answers.
+        ValueError: If the address is invalid.
+        ConnectionError: If the address does not respond.
     """
     if address == "auto":
         return

@@ -1,4 +1,4 @@
-"""This module describes how a table on disk was made, and digests that (SHA-256)."""
+"""This module describes how a table on disk was made, with a digest (SHA-256)."""
 
 import hashlib
 import json
@@ -17,23 +17,24 @@ _REMEDY = "choose another --output, or --overwrite"
 
 
 def describe_run(experiments: Any, makers: tuple[Callable, ...]) -> dict[str, Any]:
-    """Return what determines a table, as JSON: parameters, versions and digest of the code.
+    """Return what determines a table, as JSON: parameters, versions, digest of the code.
 
     Args:
-        experiments: a ``baselines.evaluation.runs.Experiments``.
-        makers: functions that make the table.
+        experiments: A ``baselines.evaluation.runs.Experiments``.
+        makers: Functions that make the table.
     """
-    told = {
-        **{field: _plain(value) for field, value in experiments._asdict().items()},
+    described = {
+        **{field: describe_model(value) for field, value in experiments._asdict().items()},
         "hav_env": hav_env.__version__,
         "code": digest_code(makers, classes_in(*experiments)).digest,
     }
-    return json.loads(json.dumps(told))
+    return json.loads(json.dumps(described))
 
 
-def _plain(value: Any) -> Any:
+def describe_model(value: Any) -> Any:
+    """Return a model as values for JSON: its type, and its fields by name; arrays by digest."""
     if hasattr(value, "_asdict"):
-        fields = {k: _plain(v) for k, v in value._asdict().items()}
+        fields = {k: describe_model(v) for k, v in value._asdict().items()}
         return {"type": type(value).__name__, **fields}
     if isinstance(value, np.ndarray):
         return hashlib.sha256(value.tobytes()).hexdigest()
@@ -41,18 +42,18 @@ def _plain(value: Any) -> Any:
 
 
 def claim(path: pathlib.Path, description: dict[str, Any]) -> str | None:
-    """Write down what is run here, or check that it is what was begun.
+    """Write the description of a run, or check that the present one is equal.
 
     Returns:
-        The digest of the table; None when it has not been made.
+        The digest of the table; None if it has not been made.
 
     Raises:
-        ValueError: when other data lie here, or the description is broken.
+        ValueError: If the folder holds other data, or the description is broken.
     """
     if not path.exists():
         data = path.with_suffix(".parquet"), path.with_suffix(".parts")
         if any(kept.exists() for kept in data):
-            raise ValueError(f"{path.parent} holds results that nothing describes: {_REMEDY}")
+            raise ValueError(f"{path.parent} contains results without a description: {_REMEDY}")
         write_text(_text(description, None), path)
         return None
     begun = _read(path)
@@ -64,15 +65,15 @@ def claim(path: pathlib.Path, description: dict[str, Any]) -> str | None:
 
 
 def seal(path: pathlib.Path, description: dict[str, Any], digest: str) -> None:
-    """Add the digest of the table that has been made, unless it is there; mend the file."""
+    """Add the digest of the completed table, unless it is there; repair the file."""
     text = _text(description, digest)
     if path.read_bytes() != text.encode():
         write_text(text, path)
 
 
 def _text(description: dict[str, Any], digest: str | None) -> str:
-    told = description if digest is None else description | {_DIGEST: digest}
-    return json.dumps(told, indent=2) + "\n"
+    described = description if digest is None else description | {_DIGEST: digest}
+    return json.dumps(described, indent=2) + "\n"
 
 
 def _read(path: pathlib.Path) -> dict[str, Any]:

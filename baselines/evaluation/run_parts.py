@@ -1,4 +1,4 @@
-"""This module keeps the parts of a table until it is whole; a part's name holds its digest."""
+"""This module stores the parts of a table until it is complete; a part's name holds its digest."""
 
 import hashlib
 import logging
@@ -16,18 +16,18 @@ _NAME = re.compile(r"(\d{9,})-([0-9a-f]{64})\.parquet")
 
 
 def write_table(table: pa.Table, path: pathlib.Path) -> None:
-    """Write a Parquet file, whole or not at all."""
+    """Write a Parquet file atomically."""
     with whole_file(path) as unfinished:
         pq.write_table(table, unfinished)
 
 
 def write_part(table: pa.Table, folder: pathlib.Path, first: int) -> pathlib.Path:
-    """Write a part of a table, whole or not at all.
+    """Write a part of a table atomically.
 
     Args:
-        table: the part.
-        folder: of the parts.
-        first: number of its first episode.
+        table: Part to write.
+        folder: Folder of the parts.
+        first: Number of its first episode.
     """
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink)
@@ -39,7 +39,7 @@ def write_part(table: pa.Table, folder: pathlib.Path, first: int) -> pathlib.Pat
 
 
 def find_parts(folder: pathlib.Path) -> dict[int, pathlib.Path]:
-    """Return the parts that are whole, by their first episodes; remove broken ones."""
+    """Return the complete parts by their first episodes; remove broken ones."""
     found = {}
     for path in sorted(folder.iterdir()):
         name = _NAME.fullmatch(path.name)
@@ -57,10 +57,10 @@ def find_parts(folder: pathlib.Path) -> dict[int, pathlib.Path]:
 
 
 def join_parts(parts: Iterable[pathlib.Path], target: pathlib.Path) -> str:
-    """Write the table of all parts, whole or not at all; return its digest.
+    """Write the table of all parts atomically; return its digest.
 
     Raises:
-        OSError: when a part has been broken since it was written, or the table cannot be written.
+        OSError: If a part has been broken since it was written, or the table cannot be written.
     """
     with whole_file(target) as unfinished:
         writer = None
@@ -82,4 +82,5 @@ def _read(path: pathlib.Path) -> pa.Table:
     name = _NAME.fullmatch(path.name)
     if name is None or hashlib.sha256(content).hexdigest() != name[2]:
         raise OSError(f"{path} is broken: the same command runs its episodes again")
-    return pq.read_table(pa.BufferReader(content))
+    # pq.read_table would load the library of datasets, which is slow
+    return pq.ParquetFile(pa.BufferReader(content)).read()

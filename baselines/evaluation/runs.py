@@ -19,13 +19,16 @@ from baselines.storage.atomic_files import digest_of
 from baselines.storage.locks import sole_user
 from hav_env import Task
 from hav_env.evaluation.rollout import rollout
+from hav_env.policies.demands import check_guided
 from hav_env.policies.interface import check_policy
 from hav_env.scenarios import check_scenario
-from hav_env.simulator.batch import check_seed
+from hav_env.simulator.batch import check_parts, check_seed
+from hav_env.simulator.guiding import check_guidance
 from hav_env.vehicles import OnAxle, check_vehicle
+from hav_env.world.place.guidance import Dubins
 from hav_env.world.task import check_task
 
-PART = 2_250  # HAVs' episodes in one part: seconds of work, and what memory holds at a time
+PART = 2_250  # HAV episodes in one part: seconds of work, and the amount in memory at a time
 Advance = Callable[[int, int], None]
 
 
@@ -38,26 +41,31 @@ class Experiments(NamedTuple):
     seed: int = 0
     task: Task = Task()
     vehicle: Any = OnAxle()
+    guidance: Any = Dubins()
 
 
 def check_experiments(
     experiments: Experiments, threads: int | None = None, name: str = "episodes"
 ) -> None:
-    """Check experiments before anything is run or written.
+    """Check experiments before any of them runs or is written.
 
     Args:
-        experiments: the experiments to run.
-        threads: number of threads; None is ``HAV_THREADS`` or all cores.
-        name: of the number of episodes, for the message.
+        experiments: Experiments to run.
+        threads: Number of threads; None is ``HAV_THREADS`` or all cores.
+        name: Name of the number of episodes, for the message.
 
     Raises:
-        TypeError, ValueError: naming the argument, its value and what is allowed.
+        TypeError, ValueError: If an argument is invalid; the message names it, its value and the
+            rule.
     """
     check_scenario(experiments.scenario)
     check_episodes(name, experiments.num_episodes, experiments.scenario.num_havs)
     check_seed(experiments.seed)
     check_task(experiments.task)
     check_vehicle(experiments.vehicle)
+    check_parts(experiments.scenario, experiments.task, experiments.vehicle)
+    check_guidance(experiments.guidance, experiments.scenario, experiments.vehicle)
+    check_guided(experiments.policy, experiments.guidance)
     check_policy(*experiments[:2], experiments.task, experiments.vehicle)
     check_threads(threads)
 
@@ -71,27 +79,29 @@ def run_experiments(
     advance: Advance = lambda episodes, steps: None,
     engine: Engine = run_here,
 ) -> pathlib.Path:
-    """Run experiments and keep their table as ``name.parquet`` in a folder.
+    """Run experiments and store their table as ``name.parquet`` in a folder.
 
-    The folder ``name.parts`` keeps the parts of an interrupted run, which do not run again. The
-    file is the same, byte for byte, after any interrupts and under any engine. Tables and parts
-    have digests: one that has changed since it was written is made again.
+    The folder ``name.parts`` stores the parts of an interrupted run, which do not run again. The
+    file is the same, byte for byte, after any interrupts and with any engine. Tables and parts have
+    digests: one that has changed since it was written is made again.
 
     Args:
-        experiments: what to run.
-        folder: made if it does not exist; no other run works in it at the same time.
-        name: of the table.
-        threads: how many.
-        overwrite: discard what an earlier run left under this name.
-        advance: called after every part with its numbers of episodes and of moving HAV-steps.
-        engine: runs what is missing, by ``baselines.evaluation.executors.open_engine``.
+        experiments: Experiments to run.
+        folder: Folder, created if it does not exist; no other run works in it at the same time.
+        name: Name of the table.
+        threads: Number of threads.
+        overwrite: Whether to discard the results of an earlier run under this name.
+        advance: Function called after every part with its numbers of episodes and of moving
+            HAV-steps.
+        engine: Engine that runs the missing parts, from
+            ``baselines.evaluation.executors.open_engine``.
 
     Returns:
         The path of the table.
 
     Raises:
-        ValueError: when the folder holds another run under this name, or a parameter is wrong.
-        OSError: when the folder cannot be written, or another run works in it.
+        ValueError: If the folder holds another run under this name, or a parameter is invalid.
+        OSError: If the folder cannot be written, or another run works in it.
     """
     check_experiments(experiments, threads)
     target, description = folder / f"{name}.parquet", folder / f"{name}.json"
@@ -99,8 +109,8 @@ def run_experiments(
         _check_kinds(target)
         if overwrite:
             _discard(target)
-        told = describe_run(experiments, (run_part, write_part, join_parts))
-        digest = claim(description, told)
+        described = describe_run(experiments, (run_part, write_part, join_parts))
+        digest = claim(description, described)
         if digest is not None and digest == digest_of(target):
             advance(experiments.num_episodes, 0)
         else:
@@ -109,7 +119,7 @@ def run_experiments(
                 warn("%s is broken or missing: its episodes are run again", target)
             work = functools.partial(run_part, experiments)
             digest = _make(experiments, target, work, threads, advance, engine)
-        seal(description, told, digest)
+        seal(description, described, digest)
         if target.with_suffix(".parts").exists():
             shutil.rmtree(target.with_suffix(".parts"))
     return target
@@ -123,7 +133,7 @@ def _make(
     advance: Advance,
     engine: Engine,
 ) -> str:
-    """Run the parts that are missing; write the table and return its digest."""
+    """Run the missing parts; write the table and return its digest."""
     folder = target.with_suffix(".parts")
     folder.mkdir(exist_ok=True)
     parts = find_parts(folder)
@@ -140,7 +150,7 @@ def _make(
 
 
 def spans_of(experiments: Experiments) -> Iterator[range]:
-    """Give the numbers of the episodes of each part."""
+    """Yield the numbers of the episodes of each part."""
     count, step = experiments.num_episodes, max(1, PART // experiments.scenario.num_havs)
     return (range(first, min(first + step, count)) for first in range(0, count, step))
 
@@ -155,18 +165,19 @@ def run_part(experiments: Experiments, span: range, threads: int | None) -> pa.T
         experiments.task,
         experiments.vehicle,
         threads,
+        experiments.guidance,
     )
 
 
 def _discard(target: pathlib.Path) -> None:
-    """Remove what earlier runs left; the description goes last, so that no data are without one."""
+    """Remove earlier results; the description goes last, so no data are ever without one."""
     shutil.rmtree(target.with_suffix(".parts"), ignore_errors=True)
     target.unlink(missing_ok=True)
     target.with_suffix(".json").unlink(missing_ok=True)
 
 
 def _check_kinds(target: pathlib.Path) -> None:
-    """Raise ValueError when a folder is in the place of a file, or the other way round."""
+    """Raise ValueError if a folder is in the place of a file, or vice versa."""
     for path in (target, target.with_suffix(".json")):
         if path.is_dir():
             raise ValueError(f"{path} is a folder, but must be a file: choose another --output")

@@ -75,22 +75,22 @@ def calibrate(
     threads: int | None = None,
     overwrite: bool = False,
 ) -> list[list[str]]:
-    """Measure the paper's eight figures in every reading, and for every choice changed alone.
+    """Measure the paper's eight figures in every reading, and for every single changed choice.
 
-    Writes calibration.parquet: a row for each reading and choice, and for each figure its share,
-    the bounds of its 95 % interval and its standardized difference from the published one.
-    Interrupted, it goes on where it stopped.
+    Writes calibration.parquet with a row for each reading and choice. For each figure, a row has
+    its share, the bounds of its 95 % interval and its standardized difference from the published
+    share. An interrupted run continues where it stopped.
 
     Args:
-        experiments: how many of each size and row.
-        seed: of all of them: the rows are compared on the same episodes where they can be.
-        output: the folder.
-        threads: how many.
-        overwrite: discard what an earlier run left in the folder.
+        experiments: Number of experiments of each size and row.
+        seed: Seed of all of them: the rows are compared on the same episodes if possible.
+        output: Folder of the results.
+        threads: Number of threads.
+        overwrite: Whether to discard the results of an earlier run in the folder.
 
     Raises:
-        ValueError: when a parameter is not allowed, or the folder holds another run.
-        OSError: when the folder cannot be written.
+        ValueError: If a parameter is not allowed, or the folder holds another run.
+        OSError: If the folder cannot be written.
 
     Returns:
         The table as rows of text, the paper's figures first.
@@ -128,7 +128,7 @@ def _measure(tables: dict[str, pa.Table], reading: Reading) -> dict[str, float]:
 
 
 def _show(measured: list[dict[str, Any]]) -> list[list[str]]:
-    """Return the shares in percent, the published ones above them."""
+    """Return the shares in percent, with the published ones above them."""
     head = ["reading", *(f"{published.key} [%]" for published in PUBLISHED), "chi2"]
     paper = ["the paper", *(f"{100 * p.events / p.size:.2f}" for p in PUBLISHED), ""]
     return [head, paper, *([row["reading"], *_cells(row)] for row in measured)]

@@ -13,11 +13,11 @@ from hav_env.world.arrays import NEVER
 
 
 def fingerprints(single: pa.Table, pair: pa.Table) -> list[list[str]]:
-    """Return rows of text: what the paper says, and the measure for single HAVs and pairs.
+    """Return rows of text: the paper's claim, and the measure for single HAVs and pairs.
 
     Args:
-        single: table of the paper's experiments with one HAV, columns as in docs/metrics.md.
-        pair: the same with two HAVs.
+        single: Table of the paper's experiments with one HAV, columns as in docs/metrics.md.
+        pair: The same with two HAVs.
     """
     measures = (
         ("jackknifes at the last joint ('predominantly at the rear joints')", _last_joint),
@@ -37,11 +37,11 @@ def fingerprints(single: pa.Table, pair: pa.Table) -> list[list[str]]:
 def evading_in_misses(trajectories: Iterable[Trajectory], task: Task) -> str:
     """Return the share of states in a close miss in which the HAV evades, as text.
 
-    The paper says that collision avoidance was inactive during close misses.
+    The paper states that collision avoidance was inactive during close misses.
 
     Args:
-        trajectories: of whole episodes, every state.
-        task: the rules, for the tolerances.
+        trajectories: Trajectories of whole episodes, every state.
+        task: Rules of the episodes, for the tolerances.
     """
     evading = total = 0
     for trajectory in trajectories:
@@ -85,7 +85,7 @@ def _far_hits(table: pa.Table) -> str:
 
 
 def _heading_misses(table: pa.Table, never_hit: bool = False, most: float = np.inf) -> str:
-    """Return the share of heading misses among close misses, each HAV's counted up to a number."""
+    """Return the share of heading misses among close misses, each HAV's counted up to a limit."""
     shares = []
     for goal in goals_of(table.column_names):
         kept = ~_column(table, f"goal_{goal}_hit").astype(bool) | (not never_hit)

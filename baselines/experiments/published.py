@@ -1,4 +1,4 @@
-"""This module has the paper's published figures, and says how near measured ones come to them."""
+"""This module has the paper's published figures, and measures the distance of others from them."""
 
 import math
 from typing import Any, NamedTuple
@@ -11,24 +11,24 @@ from hav_env.evaluation.statistics import Interval, standardized_difference, wil
 from hav_env.world.arrays import ACTUAL, JACKKNIFE, POTENTIAL
 from hav_env.world.event_table import EVENTS
 
-PAPER_EXPERIMENTS = 4_500  # of each size
+PAPER_EXPERIMENTS = 4_500  # number of experiments of each size
 PAPER_SIZES = ("single", "pair")  # experiments with one HAV, and with two
-_FEW_TRAILERS = 4  # of a jackknifed pair none had fewer
+_FEW_TRAILERS = 4  # no jackknifed HAV of a pair had fewer
 
 
 class Published(NamedTuple):
-    """One figure of the paper, section VI: how many of how many HAVs."""
+    """One figure of the paper, section VI: the number of HAVs that it counts, out of how many."""
 
     scenario: str
     figure: Figure
     name: str
-    """As the paper calls it."""
+    """Name in the paper."""
     events: int
     size: int
 
     @property
     def key(self) -> str:
-        """The name of the figure in tables."""
+        """Return the name of the figure in tables."""
         return f"{self.scenario} {self.name}"
 
 
@@ -51,43 +51,44 @@ PUBLISHED = (
 def published_interval(published: Published, here: Interval) -> Interval:
     """Return a published share with its interval.
 
-    The paper counts HAVs. How much the two of a pair depend on each other is taken from here.
+    The paper counts HAVs. The dependence between the two HAVs of a pair is taken from ``here``.
     """
     return wilson(published.events, published.size, here.design_effect)
 
 
 class Closeness(NamedTuple):
-    """How near measured figures come to the published ones."""
+    """Distance of measured figures from the published ones."""
 
     shares: dict[str, float]
-    """Of each figure, by ``Published.key``."""
+    """Share of each figure, by ``Published.key``."""
     deviations: dict[str, float]
-    """Standardized differences z of the same, experiments as units."""
+    """Standardized difference z of each figure, with experiments as units."""
     few: float
     """-2 ln of the probability that none of the paper's 95 jackknifed HAVs of pairs has fewer than
-    four trailers, given those counted here; 0 without pairs."""
+    four trailers, given the count here; 0 without pairs.
+    """
 
     @property
     def chi2(self) -> float:
-        """Sum of z^2; of a true reading about the number of figures."""
+        """Return the sum of z^2; for a true reading it is about the number of figures."""
         return sum(z * z for z in self.deviations.values())
 
     @property
     def score(self) -> float:
-        """What a search makes least: the figures and that sentence together."""
+        """Return the objective that a search minimises: the figures and that sentence together."""
         return self.chi2 + self.few
 
     def plain(self) -> list[Any]:
-        """Return it as JSON; ``Closeness(*plain)`` is it again."""
+        """Return it as JSON; ``Closeness(*plain)`` restores it."""
         return [self.shares, self.deviations, self.few]
 
 
 def closeness(tables: dict[str, pa.Table], jackknifed: Figure = JACKKNIFE_FIGURE) -> Closeness:
-    """Return how near the tables of experiments come to the published figures.
+    """Return the distance of the tables of experiments from the published figures.
 
     Args:
-        tables: by size, "single" and "pair" or one of them; columns as in docs/metrics.md.
-        jackknifed: the figure that counts as jackknifed.
+        tables: Tables by size, "single" and "pair" or one of them; columns as in docs/metrics.md.
+        jackknifed: Figure that counts as jackknifed.
     """
     shares, deviations = {}, {}
     for published in PUBLISHED:
@@ -101,14 +102,14 @@ def closeness(tables: dict[str, pa.Table], jackknifed: Figure = JACKKNIFE_FIGURE
 
 
 def measure_published(table: pa.Table, published: Published, jackknifed: Figure) -> Interval:
-    """Return a measured figure, given which one counts as jackknifed."""
+    """Return a measured figure, with a given figure counting as jackknifed."""
     return measure(table, jackknifed if published.figure == JACKKNIFE_FIGURE else published.figure)
 
 
 def counting(table: pa.Table, jackknifed: Figure) -> pa.Table:
     """Return a table in which another figure counts as jackknifed.
 
-    Step and joint stay those of the first articulation beyond the limit.
+    Step and joint remain those of the first articulation beyond the limit.
     """
     place = table.column_names.index(JACKKNIFE_FIGURE.column)
     return table.set_column(place, JACKKNIFE_FIGURE.column, table[jackknifed.column])

@@ -1,6 +1,6 @@
 """This module names readings of the paper: one choice for each question that its text leaves open.
 
-A reading is a policy, a fleet, rules and kinematics together. ``text`` follows the paper to the
+A reading combines a policy, a fleet, rules and kinematics. ``text`` follows the paper to the
 letter; the others depart from it where the published figures suggest it.
 """
 
@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from baselines.experiments.published import JACKKNIFE_FIGURE
 from baselines.policies.avoid_jack import AvoidJack
 from hav_env.evaluation.figures import FOLDED_THROUGH, Figure
+from hav_env.models.text import suggest
 from hav_env.scenarios import RandomFleet
 from hav_env.scenarios.presets import SCENARIOS
 from hav_env.vehicles import OnAxle
@@ -21,13 +22,13 @@ class Reading(NamedTuple):
 
     name: str
     told: str = ""
-    """Its departures from the text, in words."""
+    """Departures from the text, in words."""
     policy: Any = AvoidJack()
     fleet: RandomFleet = RandomFleet()
     task: Task = Task()
     vehicle: Any = OnAxle()
     jackknifed: Figure = JACKKNIFE_FIGURE
-    """The figure that counts as jackknifed."""
+    """Figure that counts as jackknifed."""
 
 
 def vary(
@@ -44,14 +45,14 @@ def vary(
     """Return a reading with other parameters under another name.
 
     Args:
-        reading: the reading to begin with.
-        name: of the new one.
-        told: its departures from the text, in words.
-        policy: fields of the policy that differ.
-        fleet: fields of the fleet that differ.
-        task: fields of the task that differ.
-        vehicle: fields of the vehicle that differ.
-        jackknifed: the figure that counts as jackknifed, where another does.
+        reading: Reading to change.
+        name: Name of the new reading.
+        told: Departures from the text, in words.
+        policy: Fields of the policy that differ.
+        fleet: Fields of the fleet that differ.
+        task: Fields of the task that differ.
+        vehicle: Fields of the vehicle that differ.
+        jackknifed: Figure that counts as jackknifed, if another one does.
     """
     return Reading(
         name,
@@ -70,13 +71,13 @@ def scenario_of_reading(reading: Reading, size: str) -> Any:
 
 
 def circles(center: float, truck_share: float) -> dict[str, dict[str, float]]:
-    """Return the fields that put and widen the circles of evasion and potential collision.
+    """Return the fields that move and widen the circles of evasion and potential collision.
 
     Area and placement keep the text's footprints: trailers alone, round the rear axle.
 
     Args:
-        center: share of the truck's length from its rear axle to the centre of the circle.
-        truck_share: share of the truck's length in the radius, beside the trailers.
+        center: Position of the centre ahead of the rear axle, as a share of the truck's length.
+        truck_share: Share of the truck's length in the radius, in addition to the trailers.
     """
     return {
         "policy": {"evasion_center": center, "evasion_truck_share": truck_share},
@@ -138,8 +139,9 @@ def find_reading(name: str) -> Reading:
     """Return a reading by its name.
 
     Raises:
-        ValueError: when there is none of this name.
+        ValueError: If no reading has this name.
     """
     if name not in READINGS:
-        raise ValueError(f"reading is {name!r}, but must be one of {', '.join(READINGS)}")
+        near = suggest(name, READINGS)
+        raise ValueError(f"reading is {name!r}, but must be one of {', '.join(READINGS)}{near}")
     return READINGS[name]

@@ -25,20 +25,20 @@ from hav_env.vehicles import COMBINATIONS
 from hav_env.vehicles.steady_circles import least_radius
 
 _TOLD = ("jackknifed", "goal_1_hit", "goal_2_hit")
-_WHEELS = math.radians(40.0)  # the paper's fleet in this project
+_WHEELS = math.radians(40.0)  # steering limit of the paper's fleet in this project
 
 
 class Drive(NamedTuple):
-    """A column of the table: what drives, and what of the vehicle is changed."""
+    """A column of the table: a policy, and a change of the vehicle."""
 
     policy: Callable[[float], Policy]
-    """Makes the policy, given the least limit of the vehicle's joints [rad]."""
+    """Function that makes the policy, given the least limit of the vehicle's joints [rad]."""
     changed: Callable[[CatalogueFleet], CatalogueFleet]
-    """Changes the fleet."""
+    """Function that changes the fleet."""
 
 
 def _avoid_jack(limit: float) -> Policy:
-    """Return AVOID-JACK with beta at 5/6 of a limit [rad], as the paper's is of 90 degrees."""
+    """Return AVOID-JACK with beta at 5/6 of a limit [rad], as in the paper with 90 degrees."""
     return AvoidJack(beta=limit * 5 / 6)
 
 
@@ -67,7 +67,7 @@ class Options:
     episodes: int = 500
     """Number of episodes of each vehicle under each policy."""
     max_steps: int = 20_000
-    """An episode ends after so many steps."""
+    """Number of steps after which an episode ends."""
     speed_max: float = 1.0
     """Largest speed [m/s]; 1 is the paper's."""
     seed: int = 2026
@@ -80,7 +80,7 @@ def tabulate_drives(options: Options) -> str:
     """Return the table, in Markdown.
 
     Raises:
-        ValueError: when there is no such vehicle.
+        ValueError: If a vehicle does not exist.
     """
     head = ["vehicle", "trailers", "wheels [m]", "limits [m]", *_DRIVES]
     rows = [head]
@@ -116,7 +116,7 @@ def main(words: list[str] | None = None) -> int:
         Options(),
         tabulate_drives,
         words,
-        "nothing was kept: the same command begins anew",
+        "nothing was stored: the same command begins anew",
     )
 
 

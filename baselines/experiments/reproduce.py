@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from baselines.cli.drawing import can_draw
 from baselines.cli.markup import code, markdown
 from baselines.cli.progress import Progress
 from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
@@ -45,34 +46,36 @@ def reproduce(
     """Run the paper's experiments in a reading of the paper and report them.
 
     Writes into the output folder single.parquet and pair.parquet (one row per HAV and experiment),
-    report.md and the figures. Interrupted, it goes on where it stopped.
+    report.md and the figures. An interrupted run continues where it stopped.
 
     Args:
-        reading: policy, fleet, rules and kinematics.
-        experiments: how many with a single HAV, and as many with two.
-        seed: of all of them; the same seed gives the same files.
-        output: the folder.
-        threads: how many simulate; by default ``HAV_THREADS`` or all cores. One more draws.
-        overwrite: discard what an earlier run left in the folder.
+        reading: Policy, fleet, rules and kinematics.
+        experiments: Number of experiments with a single HAV, and also with two.
+        seed: Seed of all of them; the same seed gives the same files.
+        output: Folder of the results.
+        threads: Number of threads of the simulation; by default ``HAV_THREADS`` or all cores. One
+            more thread draws.
+        overwrite: Whether to discard the results of an earlier run in the folder.
 
     Returns:
         The table beside the paper's, as rows of text.
 
     Raises:
-        ValueError: when a parameter is not allowed, or the folder holds another run.
-        OSError: when the folder cannot be written.
+        ValueError: If a parameter is not allowed, or the folder holds another run.
+        OSError: If the folder cannot be written.
     """
     jobs = {size: job_of(reading, size, experiments, seed) for size in PAPER_SIZES}
     for job in jobs.values():
         check_experiments(job, threads, "experiments")
     tables: dict[str, pa.Table] = {}
-    drawn = []
+    drawn, draws = [], can_draw()
     with sole_user(output), side_thread("drawing") as submit:
         with Progress(2 * experiments) as progress:
             for name, job in jobs.items():
                 path = run_experiments(job, output, name, threads, overwrite, progress.advance)
                 tables[name] = pq.read_table(path)
-                drawn.append(submit(_draw(jobs, dict(tables), output, name)))
+                if draws:
+                    drawn.append(submit(_draw(jobs, dict(tables), output, name)))
         rows = beside_paper(tables, reading)
         text = _report(reading, experiments, seed, rows, tables, _files(drawn))
         write_text(text, output / "report.md")
@@ -83,10 +86,10 @@ def job_of(reading: Reading, size: str, experiments: int, seed: int) -> Experime
     """Return the experiments of a reading.
 
     Args:
-        reading: policy, fleet, rules and kinematics.
+        reading: Policy, fleet, rules and kinematics.
         size: "single" or "pair".
-        experiments: number of episodes.
-        seed: of the episodes.
+        experiments: Number of episodes.
+        seed: Seed of the episodes.
     """
     scenario = scenario_of_reading(reading, size)
     return Experiments(reading.policy, scenario, experiments, seed, reading.task, reading.vehicle)
@@ -96,8 +99,8 @@ def beside_paper(tables: dict[str, pa.Table], reading: Reading = TEXT) -> list[l
     """Return the published figures beside the measured ones, with 95 % intervals, and chi2.
 
     Args:
-        tables: by size, "single" and "pair".
-        reading: that was run.
+        tables: Tables by size, "single" and "pair".
+        reading: Reading that was run.
     """
     rows = [["scenario", "figure", "paper", "here", "difference", "agree"]]
     for published in PUBLISHED:
@@ -122,8 +125,8 @@ def beside_paper(tables: dict[str, pa.Table], reading: Reading = TEXT) -> list[l
 def _draw(
     jobs: dict[str, Experiments], tables: dict[str, pa.Table], output: pathlib.Path, name: str
 ) -> Iterator[list[str]]:
-    """Draw the figures for which the table of this name was missing."""
-    # matplotlib is an extra; it is imported beside the simulation
+    """Draw the figures whose table was missing."""
+    # matplotlib is an extra; a thread imports it during the simulation
     from baselines.figures.all_figures import draw_pair, draw_single  # noqa: PLC0415
 
     if name == "single":
@@ -133,20 +136,22 @@ def _draw(
 
 
 def _files(drawn: list[concurrent.futures.Future[list[list[str]]]]) -> Iterator[str]:
-    """Give the names of the files that are drawn, as soon as all are."""
+    """Yield the names of the drawn files, once all are complete."""
     figures = [files for done in drawn for files in done.result()]
+    if not figures:
+        return
     from baselines.figures.all_figures import in_order  # noqa: PLC0415  # matplotlib is an extra
 
     yield from in_order(itertools.chain.from_iterable(figures))
 
 
 def _show(model) -> str:
-    """Return a model with its parameters; of arrays only how many numbers they hold."""
-    told = [
+    """Return a model with its parameters; for arrays only the number of entries."""
+    fields = [
         f"{field}={f'{value.size} numbers' if isinstance(value, np.ndarray) else repr(value)}"
         for field, value in model._asdict().items()
     ]
-    return f"{type(model).__name__}({', '.join(told)})"
+    return f"{type(model).__name__}({', '.join(fields)})"
 
 
 def _report(
@@ -173,9 +178,10 @@ def _report(
     for scenario, table in tables.items():
         parts += [f"## {scenario}\n", markdown(compare([name], [table]))]
     parts += [
-        "## What else the paper says\n",
+        "## Other claims of the paper\n",
         markdown(fingerprints(*(counting(tables[s], reading.jackknifed) for s in PAPER_SIZES))),
     ]
-    parts += ["## Figures\n", *(f"![{file}]({file})\n" for file in drawn if file.endswith("png"))]
+    pictures = [f"![{file}]({file})\n" for file in drawn if file.endswith("png")]
+    parts += ["## Figures\n", *pictures] if pictures else []
     parts.append("The columns of the tables are described in docs/metrics.md.\n")
     return "\n".join(parts)

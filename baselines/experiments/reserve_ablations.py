@@ -1,17 +1,18 @@
-"""This module runs ablations of Reserve: ``python -m baselines.experiments.reserve_ablations``.
+"""This module runs ablations of Reserve: ``hav-env ablate``.
 
-The same episodes run again with all HAVs deciding at once, without broadcast, with less range, and
-with noise on the poses of others. An interrupted run goes on where it stopped.
+It runs the same episodes with all HAVs deciding at once, without broadcast, with less range, and
+with noise on the poses of others. An interrupted run continues where it stopped.
 """
 
 import pathlib
-import sys
 from typing import NamedTuple
 
-from baselines.experiments.survey import Entry, Run, Sample, run_all
+from baselines.cli.run_options import RESUMED
+from baselines.experiments.survey import Entry, Run, Sample, print_findings, run_all
 from baselines.policies.reserve import Reserve
 from hav_env import Task, find_scenario
-from hav_env.cli.options import run_command
+from hav_env.cli.errors import report_errors
+from hav_env.cli.options import parse_options
 
 ENTRIES = (Entry("paper-pair", 1_000), Entry("swarm-10", 100), Entry("dense-10", 100))
 
@@ -23,12 +24,12 @@ class Variant(NamedTuple):
     policy: Reserve = Reserve()
     task: Task = Task()
     in_turns: bool = False
-    """Whether there are as many turns as HAVs."""
+    """Whether the number of turns equals the number of HAVs."""
 
 
 VARIANTS = (
     Variant("as it is"),
-    # nobody reserves in the step in which another one does, so it does not matter who is first
+    # only one HAV reserves in a step, so the order does not matter
     Variant("all at once, reserving in turns", in_turns=True),
     Variant("without broadcast", Reserve(broadcast=False)),
     *(Variant(f"range {r:g} m", task=Task(sensing_range=r)) for r in (20.0, 10.0, 5.0)),
@@ -42,21 +43,27 @@ VARIANTS = (
 )
 
 
-def main(words: list[str] | None = None) -> int:
-    """Run the variants, report an error in one line, and return the exit code."""
-    usage, about = (
-        "python -m baselines.experiments.reserve_ablations",
-        "Reserve with less to go by.",
-    )
+_ABOUT_VARIANTS = (
+    "Run Reserve without order, broadcast or range, and with noise on the poses of others."
+)
+
+
+def main(words: list[str]) -> int:
+    """Run Reserve without order, broadcast or range, and with noise."""
+    return report_errors(_print_variants, words, RESUMED)
+
+
+def _print_variants(words: list[str]) -> None:
     default = Sample(output=pathlib.Path("results/variants"))
-    return run_command(usage, about, default, run_variants, words)
+    sample = parse_options(Sample, "hav-env ablate", _ABOUT_VARIANTS, words, default)
+    print_findings(run_variants(sample), sample)
 
 
-def run_variants(sample: Sample) -> str:
-    """Run what has not been run; return the table in Markdown, which is written too.
+def run_variants(sample: Sample) -> list[list[str]]:
+    """Run what is missing; write the table in Markdown, and return its rows.
 
     Raises:
-        ValueError, OSError: when options are wrong, or the folder holds other results or cannot be
+        ValueError, OSError: If options are wrong, or the folder holds other results or cannot be
             written.
     """
     runs = []
@@ -68,7 +75,3 @@ def run_variants(sample: Sample) -> str:
             label = f"{entry.scenario}-{number}"
             runs.append(Run(entry, variant.name, policy, variant.task, label))
     return run_all(runs, sample)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,8 +1,8 @@
 """This module searches for readings of the paper that come near its figures.
 
-The search halves its field in rounds: many readings on few experiments, then fewer on more. The
-seed that fits readings is not the seeds that confirm them, and the result says how many readings
-were tried: a pick is not a proof.
+The search halves its field in rounds: many readings on few experiments, then fewer on more. Fitting
+and confirmation use different seeds, and the result states the number of readings tried: a
+selection is not a proof.
 """
 
 import functools
@@ -39,20 +39,20 @@ from hav_env.evaluation.rollout import rollout
 from hav_env.simulator.batch import check_seed
 
 FITTING_SEED = 100
-CONFIRMING_SEEDS = 3  # the next ones
+CONFIRMING_SEEDS = 3  # number of seeds after the fitting seed
 
 
 class Round(NamedTuple):
     """One round of the search."""
 
     experiments: int
-    """Number of experiments of each size that a reading gets."""
+    """Number of experiments of each size per reading."""
     kept: int
-    """Number of readings that go on to the next round."""
+    """Number of readings that proceed to the next round."""
 
 
 class Plan(NamedTuple):
-    """The rounds of a search."""
+    """Rounds of a search."""
 
     single: Round = Round(500, 120)
     more_singles: Round = Round(PAPER_EXPERIMENTS, 24)
@@ -65,7 +65,7 @@ class Plan(NamedTuple):
 
 
 class Scored(NamedTuple):
-    """A reading with how near it comes to the paper on some experiments."""
+    """A reading with its distance from the paper on some experiments."""
 
     reading: Reading
     round: str
@@ -83,22 +83,22 @@ def search(
 ) -> list[Scored]:
     """Search for readings that come near the published figures.
 
-    Writes search.parquet, a row for each reading and round. Interrupted, it goes on where it
-    stopped.
+    Writes search.parquet, with a row for each reading and round. An interrupted run continues where
+    it stopped.
 
     Args:
-        seed: of the experiments that fit readings; the next ones confirm the last readings.
-        output: the folder.
-        threads: how many.
-        overwrite: discard what an earlier run left in the folder.
-        plan: the rounds.
+        seed: Seed of the experiments that fit readings; the next seeds confirm the last readings.
+        output: Folder of the results.
+        threads: Number of threads.
+        overwrite: Whether to discard the results of an earlier run in the folder.
+        plan: Rounds of the search.
 
     Returns:
-        All that was measured: by round, and the nearest first.
+        All measurements, by round, nearest first.
 
     Raises:
-        ValueError: when a parameter is not allowed, or the folder holds another search.
-        OSError: when the folder cannot be written.
+        ValueError: If a parameter is not allowed, or the folder holds another search.
+        OSError: If the folder cannot be written.
     """
     job = Experiments(TEXT.policy, scenario_of_reading(TEXT, "pair"), plan.confirm, seed)
     check_experiments(job, threads, "experiments")
@@ -111,7 +111,7 @@ def search(
 
 
 def _rounds(measured: "_Measurements", plan: Plan, seed: int) -> Iterator[Scored]:
-    """Give what each round measured, the nearest first."""
+    """Yield the measurements of each round, nearest first."""
 
     def play(name: str, readings: list[Reading], size: Round, sizes: tuple[str, ...]):
         scored = [
@@ -126,7 +126,7 @@ def _rounds(measured: "_Measurements", plan: Plan, seed: int) -> Iterator[Scored
         singles = play(name, kept, size, ("single",))
         yield from singles
         kept = [one.reading for one in singles[: size.kept]]
-    # what the single HAVs came to counts for their pairs
+    # the score of the single HAVs is part of the score of their pairs
     ahead = {one.reading.name: one.near.score for one in singles}
     trials = [pair for reading in kept for pair in pair_readings(reading)]
     for name, size in (("pair", plan.pair), ("more pairs", plan.more_pairs)):
@@ -146,7 +146,7 @@ def _rounds(measured: "_Measurements", plan: Plan, seed: int) -> Iterator[Scored
 
 
 def _count_experiments(plan: Plan) -> int:
-    """Return how many experiments all rounds take."""
+    """Return the number of experiments of all rounds."""
     singles = list(single_readings())
     pairs = plan.more_singles.kept * len(list(pair_readings(singles[0])))
     both = plan.more_pairs.kept * (1 + len(RECORDS))
@@ -162,7 +162,7 @@ def _count_experiments(plan: Plan) -> int:
 
 
 class _Measurements:
-    """What readings came to, kept in a file line by line."""
+    """Measurements of readings, stored in a file line by line."""
 
     def __init__(
         self,
@@ -178,20 +178,23 @@ class _Measurements:
         if overwrite:
             for path in (self._path, description, folder / "search.parquet"):
                 path.unlink(missing_ok=True)
-        told = describe_run(job, (search, closeness)) | {"plan": json.loads(json.dumps(plan))}
-        claim(description, told)
+        described = describe_run(job, (search, closeness)) | {"plan": json.loads(json.dumps(plan))}
+        claim(description, described)
         self._known = dict(_read_lines(self._path))
         with self._path.open("a", encoding="utf-8") as file:
-            file.write("\n")  # the last line of a run that was killed may have no end
+            file.write("\n")  # the last line may be incomplete if the run was killed
 
     def of(self, reading: Reading, seed: int, count: int, sizes: tuple[str, ...]) -> Closeness:
-        """Return how near a reading comes to the figures of some sizes, measured or known."""
+        """Return the distance of a reading from the figures of some sizes, measured or stored."""
         key = json.dumps([reading.name, seed, count, sizes])
         if key in self._known:
             self._advance(count * len(sizes), 0)
             return self._known[key]
         tables = self._run(
-            reading._replace(name="", told="", jackknifed=JACKKNIFE_FIGURE), seed, count, sizes
+            reading._replace(name="", told="", jackknifed=JACKKNIFE_FIGURE),
+            seed,
+            count,
+            sizes,
         )
         self._advance(count * len(sizes), _steps_in(tables))
         near = closeness(tables, reading.jackknifed)
@@ -212,7 +215,7 @@ def _steps_in(tables: dict[str, pa.Table]) -> int:
 
 
 def _read_lines(path: pathlib.Path) -> Iterator[tuple[str, Closeness]]:
-    """Give the whole lines of a file of measurements; the last may have been cut short."""
+    """Yield the complete lines of a file of measurements; the last may be incomplete."""
     if not path.exists():
         return
     for line in path.read_text(encoding="utf-8").splitlines():
@@ -224,14 +227,14 @@ def _read_lines(path: pathlib.Path) -> Iterator[tuple[str, Closeness]]:
 
 
 def rollout_of(reading: Reading, size: str, seed: int, count: int, threads: int | None) -> pa.Table:
-    """Return the table of experiments of a reading; nothing is kept on disk.
+    """Return the table of experiments of a reading; nothing is stored on disk.
 
     Args:
-        reading: policy, fleet, rules and kinematics.
+        reading: Policy, fleet, rules and kinematics.
         size: "single" or "pair".
-        seed: of the experiments.
-        count: how many.
-        threads: how many.
+        seed: Seed of the experiments.
+        count: Number of experiments.
+        threads: Number of threads.
     """
     scenario, numbers = scenario_of_reading(reading, size), np.arange(count)
     return rollout(reading.policy, scenario, seed, numbers, reading.task, reading.vehicle, threads)

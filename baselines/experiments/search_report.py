@@ -1,4 +1,4 @@
-"""This module reports what a search for readings found: figures, and the paper's words."""
+"""This module reports the results of a search for readings: figures, and the paper's claims."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,7 @@ from baselines.experiments.readings import Reading, scenario_of_reading
 from baselines.experiments.search import Scored, rollout_of
 from baselines.replay.trajectory import Trajectory, record_trajectory
 
-_RECORDED = 100  # pairs whose states are looked at one by one
+_RECORDED = 100  # number of pairs whose states are inspected one by one
 
 
 def names_of(found: list[Scored]) -> list[str]:
@@ -33,11 +33,11 @@ def show_found(found: list[Scored]) -> list[list[str]]:
 
 
 def compare_words(found: list[Scored], threads: int | None = None) -> list[list[str]]:
-    """Return rows of text: what the paper says in words, and the confirmed readings' pairs.
+    """Return rows of text: the paper's claims in words, and the confirmed readings' pairs.
 
     Args:
-        found: all that ``search`` measured.
-        threads: how many.
+        found: All measurements of ``search``.
+        threads: Number of threads.
     """
     picks: dict[str, Scored] = {}
     for one in found:
@@ -52,7 +52,7 @@ def compare_words(found: list[Scored], threads: int | None = None) -> list[list[
             )
             for size in PAPER_SIZES
         )
-        rows = [[name, told] for name, _, told in fingerprints(single, pair)[1:]]
+        rows = [[name, claim] for name, _, claim in fingerprints(single, pair)[1:]]
         evading = evading_in_misses(_record_pairs(one.reading, one.seed), one.reading.task)
         rows.append([f"close misses in which a HAV evades (none), {_RECORDED} pairs", evading])
         columns.append([["", f"reading {number}, seed {one.seed}"], *rows])

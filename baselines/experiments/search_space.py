@@ -24,11 +24,11 @@ CIRCLES = {
     "centre, truck": (0.5, 1.0),
     "front, truck": (1.0, 1.0),
 }
-RECORDS = (10, 100)  # steps between recorded poses, beside every one
+RECORDS = (10, 100)  # steps between recorded poses, in addition to every step
 
 
 def single_readings() -> Iterator[Reading]:
-    """Give the readings that differ for single HAVs."""
+    """Yield the readings that differ for single HAVs."""
     for degrees, close, simultaneous, (counts, (offset, redraw)), jackknifed in itertools.product(
         DEGREES, CLOSE_FACTORS, (False, True), COUNTS.items(), (JACKKNIFE_FIGURE, FOLDED_THROUGH)
     ):
@@ -48,7 +48,7 @@ def single_readings() -> Iterator[Reading]:
 
 
 def pair_readings(reading: Reading) -> Iterator[Reading]:
-    """Give the readings of pairs that are the same for single HAVs."""
+    """Yield the readings of pairs that are equal for single HAVs."""
     for next_goal, order, (place, circle), clipped, direction in itertools.product(
         ("together", "alone"),
         ("at_once", "in_turn"),
@@ -70,12 +70,12 @@ def pair_readings(reading: Reading) -> Iterator[Reading]:
 
 
 def sparsely_recorded(reading: Reading) -> Iterator[Reading]:
-    """Give a reading with records of every so many steps only."""
+    """Yield a reading with records at intervals of several steps."""
     for every in RECORDS:
         name = f"{reading.name}; every {every} steps"
         yield vary(reading, name, task={"record_every": every})
 
 
 def name_of_single(reading: Reading) -> str:
-    """Return the name of the single HAVs' reading that a pair's reading began with."""
+    """Return the name of the single HAVs' reading from which a pair's reading is derived."""
     return reading.name.partition(";")[0]

@@ -12,14 +12,14 @@ Submit = Callable[[Iterable[Any]], "concurrent.futures.Future[list[Any]]"]
 
 @contextlib.contextmanager
 def side_thread(name: str) -> Iterator[Submit]:
-    """Give a function that lets a thread run through iterables, one after the other.
+    """Yield a function that lets a thread run through iterables, one after another.
 
-    The function returns a future: the list of what the iterable gave, or the error that it raised.
-    At the end of the context, all is done. After an error or an interrupt in the context, the
-    thread ends what is under way and takes no further element.
+    The function returns a future of the list of the iterable's elements, or of its error. At the
+    end of the context, all work is complete. After an error or an interrupt in the context, the
+    thread completes the present element and takes no other.
 
     Args:
-        name: Begins the name of the thread.
+        name: Beginning of the thread's name.
     """
     stop = threading.Event()
 

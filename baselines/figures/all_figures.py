@@ -1,4 +1,4 @@
-"""This module draws all figures of the paper's experiments, as soon as their tables are there."""
+"""This module draws all figures of the paper's experiments as soon as their tables exist."""
 
 import os
 import pathlib
@@ -30,7 +30,7 @@ _TITLES = {
     "miss": "A close miss of the first goal",
     "orbit": "A first goal never hit: the end of the episode",
 }
-# as a report shows them
+# order in a report
 _ORDER = (
     "jackknife_weight",
     *("jackknife_single", "goals_single", "misses_single"),
@@ -42,12 +42,13 @@ _ORDER = (
 def draw_single(
     experiments: Experiments, table: pa.Table, folder: str | os.PathLike
 ) -> Iterator[list[str]]:
-    """Draw what needs the experiments of single HAVs alone, figure after figure.
+    """Draw the figures that need only the experiments of single HAVs, figure after figure.
 
     Args:
-        experiments: What was run; chosen episodes run again.
-        table: Their table, of ``rollout``.
-        folder: Where to; it is made. Files in it are replaced; the same tables give the same bytes.
+        experiments: Experiments of the table; chosen episodes run again.
+        table: Table of the experiments, of ``rollout``.
+        folder: Folder of the files, created if necessary. Existing files are replaced; the same
+            tables give the same bytes.
 
     Yields:
         The names of a figure's files.
@@ -62,13 +63,13 @@ def draw_single(
 def draw_pair(
     experiments: Experiments, table: pa.Table, single: pa.Table, folder: str | os.PathLike
 ) -> Iterator[list[str]]:
-    """Draw what needs the experiments of pairs, as ``draw_single`` does.
+    """Draw the figures that need the experiments of pairs, as ``draw_single`` does.
 
     Args:
-        experiments: What was run; chosen episodes run again.
-        table: Their table.
+        experiments: Experiments of the table; chosen episodes run again.
+        table: Table of the experiments.
         single: Table of the experiments of single HAVs.
-        folder: Where to.
+        folder: Folder of the files.
 
     Yields:
         The names of a figure's files.
@@ -78,7 +79,7 @@ def draw_pair(
 
 
 def in_order(files: Iterable[str]) -> list[str]:
-    """Return the names of drawn files in the order in which a report shows them."""
+    """Return the names of drawn files in their order in a report."""
     return sorted(files, key=lambda file: _ORDER.index(pathlib.PurePath(file).stem))
 
 
@@ -93,12 +94,14 @@ def _draw_histograms(
 def _draw_episodes(
     experiments: Experiments, excerpts: dict[str, Excerpt | None], folder: str | os.PathLike
 ) -> Iterator[list[str]]:
-    """Draw excerpts of episodes of the experiments, those that there are."""
-    policy, scenario, _, seed, task, vehicle = experiments
+    """Draw the excerpts of episodes that exist."""
+    policy, scenario, _, seed, task, vehicle, guidance = experiments
     for kind, excerpt in excerpts.items():
         if excerpt is None:
             continue
-        trajectory = record_trajectory(policy, scenario, seed, excerpt.episode, task, vehicle)
+        trajectory = record_trajectory(
+            policy, scenario, seed, excerpt.episode, task, vehicle, guidance=guidance
+        )
         part = excerpt if kind != "miss" else round_closest(trajectory, excerpt)
         title = f"{_TITLES[kind]} (seed {seed}, episode {excerpt.episode})"
         figure = draw_trajectory(trajectory, title, part, task=task)

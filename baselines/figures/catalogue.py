@@ -1,8 +1,8 @@
 """This module draws the figures of docs/vehicles.md: ``python -m baselines.figures.catalogue``.
 
-The first figure shows all vehicles of the catalogue from above, to one scale. The second one shows
-each on its way round a corner. The command also writes docs/vehicle-dimensions.md, and prints the
-table of docs/vehicles.md.
+The first figure shows all vehicles of the catalogue from above, to one scale. The second figure
+shows each vehicle in a turn round a corner. The command also writes docs/vehicle-dimensions.md, and
+prints the table of docs/vehicles.md.
 """
 
 import dataclasses
@@ -33,28 +33,27 @@ from hav_env.models.text import visible
 from hav_env.vehicles import COMBINATIONS, Combination, Unit, catalogue
 
 _SCALE_BAR = 10.0  # [m]
-_ROW_LENGTH = 60.0  # [m] of vehicles side by side
-_ROW_HEIGHT = 7.0  # [m] of a row, with its names
+_ROW_LENGTH = 60.0  # [m] length of a row of vehicles
+_ROW_HEIGHT = 7.0  # [m] height of a row with its names
 _BESIDE = 5.0  # [m] between two vehicles of a row
-_SHOWN = 3  # moments of a turn
-_PANELS_ABREAST = 3  # of turns
-_EACH = 8  # of the moments of a turn, for what bodies sweep
-_WHEEL = 0.9  # [m] of its diameter
+_SHOWN = 3  # moments of a turn that are drawn
+_PANELS_ABREAST = 3  # turns in a row
+_EACH = 8  # every so many moments of a turn, for the swept area
+_WHEEL = 0.9  # [m] diameter of a wheel
 
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """The folder of the pages."""
+    """Folder of the pages."""
 
     output: pathlib.Path = pathlib.Path("docs")
-    """Folder of vehicle-dimensions.md and of images/vehicle*.png; those that are there are
-    replaced."""
+    """Folder of vehicle-dimensions.md and of images/vehicle*.png; existing files are replaced."""
 
 
 def main(words: list[str] | None = None) -> int:
     """Draw and write, and return the exit code. An error is reported in one line."""
     usage, about = "python -m baselines.figures.catalogue", "Draw the catalogue of vehicles."
-    return run_command(usage, about, Options(), illustrate, words, "nothing is half written")
+    return run_command(usage, about, Options(), illustrate, words, "no file is partly written")
 
 
 def illustrate(options: Options) -> str:
@@ -84,7 +83,7 @@ def draw_vehicles(vehicles: list[Combination]) -> Figure:
     """Draw vehicles from above, all to one scale, from left to right.
 
     Args:
-        vehicles: what to draw; short ones share a row.
+        vehicles: Vehicles to draw; short ones share a row.
     """
     rows = _share_rows(vehicles)
     figure = new_figure(7.0 * len(rows) * _ROW_HEIGHT / _ROW_LENGTH + 0.4)
@@ -105,10 +104,10 @@ def draw_vehicles(vehicles: list[Combination]) -> Figure:
 
 @sheet
 def draw_turns(vehicles: list[Combination]) -> Figure:
-    """Draw vehicles on their way round a corner, each to a scale of its own.
+    """Draw vehicles in a turn round a corner, each to its own scale.
 
     Args:
-        vehicles: what to draw.
+        vehicles: Vehicles to draw.
     """
     lines = -(-len(vehicles) // _PANELS_ABREAST)
     figure = new_figure(2.15 * lines)
@@ -123,20 +122,20 @@ def draw_turns(vehicles: list[Combination]) -> Figure:
 
 
 def _share_rows(vehicles: list[Combination]) -> list[list[Combination]]:
-    """Return rows of vehicles in their order, as many in each as there is room for."""
+    """Return rows of vehicles in their order, with as many in each as fit."""
     rows: list[list[Combination]] = []
-    room = 0.0
+    space = 0.0
     for vehicle in vehicles:
-        if room < vehicle.overall_length:
+        if space < vehicle.overall_length:
             rows.append([])
-            room = _ROW_LENGTH
+            space = _ROW_LENGTH
         rows[-1].append(vehicle)
-        room -= vehicle.overall_length + _BESIDE
+        space -= vehicle.overall_length + _BESIDE
     return rows
 
 
 def _draw_straight(axes: Axes, vehicle: Combination, left: float, y: float) -> None:
-    """Draw a vehicle that heads to the right, its rear end at ``left``."""
+    """Draw a vehicle with heading to the right, its rear end at ``left``."""
     ends = vehicle.straight_ends
     shift = left - min(
         axle - unit.rear for unit, (_, axle) in zip(vehicle.units, ends, strict=True)
@@ -160,7 +159,7 @@ def _draw_straight(axes: Axes, vehicle: Combination, left: float, y: float) -> N
 
 
 def _fill_bodies(axes: Axes, vehicle: Combination, outlines: list[np.ndarray]) -> None:
-    """Fill the outlines of all units, those that lie below others first."""
+    """Fill the outlines of all units, the lowest layer first."""
     for place, (unit, outline) in enumerate(zip(vehicle.units, outlines, strict=True)):
         color, height = _look(vehicle, place, unit)
         axes.fill(*outline.T, fc=color, alpha=0.55, ec="none", zorder=height)
@@ -168,7 +167,7 @@ def _fill_bodies(axes: Axes, vehicle: Combination, outlines: list[np.ndarray]) -
 
 
 def _look(vehicle: Combination, place: int, unit: Unit) -> tuple[str, float]:
-    """Return the colour of a unit, and how far above others it lies."""
+    """Return the colour of a unit, and its drawing layer."""
     if place == 0:
         return BLUE, 2.0
     carries_next = place + 1 < len(vehicle.units) and vehicle.units[place + 1].hitch == 0.0
@@ -177,7 +176,7 @@ def _look(vehicle: Combination, place: int, unit: Unit) -> tuple[str, float]:
 
 
 def _draw_turn(axes: Axes, turn: Turn) -> None:
-    """Draw what the bodies sweep, the ways of the first and of the last axle, and some moments."""
+    """Draw the swept area, the paths of the first and of the last axle, and some moments."""
     gone = turn.axles[:, -1, 1] > turn.radius  # past the arc
     final = int(np.argmax(gone)) if gone.any() else len(gone) - 1
     swept = body_points(turn, slice(0, final, _EACH))

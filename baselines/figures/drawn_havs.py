@@ -5,25 +5,28 @@ from typing import Any
 import numpy as np
 
 from baselines.replay.trajectory import Trajectory, body_corners, chain_points, front_points
+from hav_env.rendering.colors import pattern_of
 from hav_env.rendering.scene import struck_in
 from hav_env.world.arrays import NEVER, OBSTACLE, WHEN
 
 DARK = "#333333"
+_PATTERN_LINES: dict[str, Any] = {"stripe": "-", "dashes": (0, (2, 2.5)), "dots": (0, (0.1, 2.5))}
 _ALERT = "#B0003A"
 _OBSTACLES: dict[str, Any] = {"color": DARK, "lw": 1.2, "label": "obstacles"}
 _STRUCK: dict[str, Any] = {"color": _ALERT, "lw": 2.0, "label": "obstacle that was hit"}
 
 
 def draw_units(axes: Any, trajectory: Trajectory, hav: int, row: int, color: Any) -> None:
-    """Draw a HAV in one state, to scale; rectangles are those that collide.
+    """Draw a HAV in one state, to scale, with the rectangles that collide.
 
     Args:
-        axes: of a plot.
-        trajectory: the states.
-        hav: which HAV.
-        row: which state.
-        color: of the truck.
+        axes: Axes of a plot.
+        trajectory: Trajectory with the states.
+        hav: Index of the HAV.
+        row: Index of the state.
+        color: Colour of the truck.
     """
+    _draw_pattern(axes, chain_points(trajectory, hav, row)[:2], hav)
     points, fronts = chain_points(trajectory, hav, row), front_points(trajectory, hav, row)
     corners = body_corners(trajectory, hav, row)
     if corners is not None:
@@ -42,13 +45,20 @@ def draw_units(axes: Any, trajectory: Trajectory, hav: int, row: int, color: Any
     axes.plot(*points[:2].T, "-", color=color, lw=2.8, zorder=5, solid_capstyle="butt")
 
 
+def _draw_pattern(axes: Any, truck: np.ndarray, hav: int) -> None:
+    """Draw the pattern of a HAV on its truck, given the truck's axles (2, 2)."""
+    style = _PATTERN_LINES.get(pattern_of(hav))
+    if style is not None:
+        axes.plot(*truck.T, ls=style, color="white", lw=1.0, zorder=5.2, dash_capstyle="round")
+
+
 def draw_obstacles(axes: Any, trajectory: Trajectory, last: int) -> None:
-    """Draw all obstacles; those far away do not widen the axes.
+    """Draw all obstacles; distant ones do not widen the axes.
 
     Args:
-        axes: of a plot.
-        trajectory: the states.
-        last: obstacles that HAVs hit first until this step have another colour.
+        axes: Axes of a plot.
+        trajectory: Trajectory with the states.
+        last: Last step; obstacles that HAVs have hit by then have another colour.
     """
     if len(trajectory.segment):
         from matplotlib.collections import LineCollection  # noqa: PLC0415  others say it is missing
@@ -59,11 +69,11 @@ def draw_obstacles(axes: Any, trajectory: Trajectory, last: int) -> None:
 
 
 def explain_drawn(trajectory: Trajectory, last: int) -> list[dict[str, Any]]:
-    """Return the entries of a legend for what is drawn, as arguments of Line2D.
+    """Return the entries of a legend for the drawn elements, as arguments of Line2D.
 
     Args:
-        trajectory: the states.
-        last: step until which obstacles were hit, as of ``draw_obstacles``.
+        trajectory: Trajectory with the states.
+        last: Last step, see ``draw_obstacles``.
     """
     obstacles = [_OBSTACLES] * (len(trajectory.segment) > 0)
     obstacles += [_STRUCK] * bool(_struck(trajectory, last))
@@ -76,7 +86,7 @@ def explain_drawn(trajectory: Trajectory, last: int) -> list[dict[str, Any]]:
 
 
 def _struck(trajectory: Trajectory, last: int) -> list[int]:
-    """Return which obstacles HAVs hit first until a step."""
+    """Return the obstacles that HAVs hit first until a step."""
     struck = struck_in(trajectory.first)
     if struck is None:
         return []

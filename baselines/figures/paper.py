@@ -33,7 +33,7 @@ _Sample = tuple[str, np.ndarray, str]  # name, values, colour
 def draw_jackknife_weight(
     policy: AvoidJack = AvoidJack(), articulation_max: float = math.pi / 2
 ) -> Figure:
-    """Draw the jackknife weight over the articulation, eq. (jackknife-weigt-func)."""
+    """Draw the jackknife weight over the articulation, eq. (15)."""
 
     def weight(articulation):
         return joint_weights(policy, np.cos(articulation))
@@ -58,7 +58,7 @@ def draw_jackknife_weight(
 
 @sheet
 def draw_jackknife_histograms(table: pa.Table) -> Figure:
-    """Compare jackknifed HAVs with all: lengths, length differences, and where the joint was."""
+    """Compare jackknifed HAVs with all: lengths, length differences, and positions of the joint."""
     jackknifed = table.filter(table["jackknifed"])
     many, few = _among(table), "jackknifed"
     figure, axes = _panels()
@@ -100,8 +100,8 @@ def draw_jackknife_histograms(table: pa.Table) -> Figure:
 def draw_goal_histograms(table: pa.Table, task: Task = Task()) -> Figure:
     """Compare the goals at the hit: heading difference, distance, and steps since the goal was set.
 
-    A goal is set when every HAV of the episode has hit the one before, or when the HAV itself has,
-    by ``Task.next_goal``.
+    A goal is set when every HAV of the episode has hit the previous one, or when the HAV itself
+    has, by ``Task.next_goal``.
     """
     goals = goals_of(table.column_names)
     figure, axes = _panels()
@@ -125,8 +125,9 @@ def draw_goal_histograms(table: pa.Table, task: Task = Task()) -> Figure:
 def draw_miss_histograms(table: pa.Table, task: Task = Task()) -> Figure:
     """Show the narrowest close misses: heading difference, distance and jackknife weight.
 
-    Each HAV has up to one of either kind for each goal. The upper row shows all, as the paper does;
-    most are states on the way to a hit. The lower row shows those of goals that were never hit.
+    Each HAV has at most one of either kind for each goal. The upper row shows all, as the paper
+    does; most are states on the way to a hit. The lower row shows those of goals that were never
+    hit.
     """
     figure, axes = _panels(2)
     columns = (
@@ -140,7 +141,7 @@ def draw_miss_histograms(table: pa.Table, task: Task = Task()) -> Figure:
             data = [_goal_sample(g, _misses(table, g, measure, missed)) for g in goals]
             panel = axes[row, column]
             _draw_histograms(panel, np.linspace(0.0, most, 26), data, _among(table))
-            if measure != "jackknife_weight":  # half way lies the tolerance
+            if measure != "jackknife_weight":  # the tolerance is at the middle
                 panel.axvline(most / 2, color=LIGHT, lw=0.8, zorder=0)
         axes[1, column].set(xlabel=label)
     for panel, which in zip(axes[:, 0], ("all close misses", "goal never hit"), strict=True):
@@ -157,14 +158,14 @@ def _panels(rows: int = 1) -> tuple[Figure, np.ndarray]:
 
 
 def _bins(width: float, most: float) -> np.ndarray:
-    """Return the edges of bins of one width from 0 to where ``most`` is covered."""
+    """Return the edges of bins of one width that cover 0 to ``most``."""
     return width * np.arange(max(math.ceil(most / width), 1) + 1)
 
 
 def _draw_histograms(axes: Axes, bins: np.ndarray, data: Sequence[_Sample], among: str) -> None:
     """Draw the share of each sample in each bin: the first sample filled, the others as lines.
 
-    Values beyond the bins count in the outermost; a sample without values is named as absent.
+    Values beyond the bins count in the outermost bin; a sample without values is named as absent.
     """
     for k, (name, values, color) in enumerate(data):
         share = np.histogram(np.clip(values, bins[0], bins[-1]), bins)[0] / max(len(values), 1)
@@ -174,9 +175,9 @@ def _draw_histograms(axes: Axes, bins: np.ndarray, data: Sequence[_Sample], amon
         else:
             axes.stairs(share, bins, label=label, lw=1.2, ec=color)
     if any(len(values) for _, values, _ in data):
-        axes.margins(y=0.15 * len(data) + 0.05)  # room for the legend
+        axes.margins(y=0.15 * len(data) + 0.05)  # space for the legend
         legend = axes.legend(loc="upper right", borderaxespad=0.0)
-        legend.set_in_layout(False)  # it lies within the axes
+        legend.set_in_layout(False)  # the legend lies within the axes
     else:
         text = axes.text(0.5, 0.5, f"none {among}", transform=axes.transAxes, ha="center")
         text.set_bbox({"fc": "white", "ec": "none"})
@@ -230,10 +231,10 @@ def _misses(table: pa.Table, goal: int, measure: str, missed: bool) -> np.ndarra
     """Return a measure at the narrowest close misses of both kinds.
 
     Args:
-        table: the table.
-        goal: of which goal.
-        measure: end of the column's name.
-        missed: only of HAVs that never hit this goal.
+        table: Table of the evaluation.
+        goal: Number of the goal.
+        measure: End of the column's name.
+        missed: Whether to use only HAVs that never hit this goal.
     """
     if missed:
         table = table.filter(pc.invert(table[f"goal_{goal}_hit"]))

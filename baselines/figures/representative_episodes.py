@@ -1,4 +1,4 @@
-"""This module chooses representative episodes of a table, and excerpts that show an event."""
+"""This module selects representative episodes of a table, and excerpts that show an event."""
 
 from typing import NamedTuple
 
@@ -14,13 +14,13 @@ class Excerpt(NamedTuple):
     episode: int
     num_havs: int
     first: int = 0
-    """The steps from here ..."""
+    """First step ..."""
     last: int | None = None
     """... to here; None for the end."""
     moment: int | None = None
-    """The step at which it happens."""
+    """Step at which it happens."""
     evading: bool = False
-    """The HAVs evade each other at that moment."""
+    """Whether the HAVs evade each other at that moment."""
     joint: tuple[int, int] | None = None
     """HAV and joint that jackknife at that moment."""
 
@@ -34,14 +34,33 @@ def round_closest(trajectory: Trajectory, excerpt: Excerpt) -> Excerpt:
     return excerpt._replace(first=max(moment - 300, 0), last=moment + 600, moment=moment)
 
 
+def rows_between(trajectory: Trajectory, excerpt: Excerpt) -> np.ndarray:
+    """Return the rows of the states of an excerpt.
+
+    Raises:
+        ValueError: If the trajectory has no such state.
+    """
+    last = trajectory.step[-1] if excerpt.last is None else excerpt.last
+    kept = (trajectory.step >= excerpt.first) & (trajectory.step <= last)
+    if not kept.any():
+        raise ValueError(f"no state was stored from step {excerpt.first} to {last}")
+    return np.flatnonzero(kept)
+
+
+def row_of(trajectory: Trajectory, excerpt: Excerpt) -> int:
+    """Return the row of the excerpt's moment, or of the next stored state after it."""
+    row = int(np.searchsorted(trajectory.step, excerpt.moment or 0))
+    return min(row, len(trajectory.step) - 1)
+
+
 def choose_of_single(table: pa.Table) -> dict[str, Excerpt | None]:
-    """Choose excerpts of single HAVs' episodes, None for what does not occur in the table.
+    """Select excerpts of single HAVs' episodes, None for events that do not occur in the table.
 
     Args:
-        table: table of one HAV per episode, with two goals.
+        table: Table of one HAV per episode, with two goals.
 
     Returns:
-        hit: both goals hit, three to five trailers, detours near the median. jackknife: the first
+        hit: Both goals hit, three to five trailers, detours near the median. jackknife: the first
         one, and before it. miss: a first goal missed most narrowly, after a close miss. orbit: a
         first goal missed as most are, at the median distance; the last six turns of the circle
         R_min.
@@ -55,14 +74,14 @@ def choose_of_single(table: pa.Table) -> dict[str, Excerpt | None]:
 
 
 def choose_of_pair(table: pa.Table, single: pa.Table) -> dict[str, Excerpt | None]:
-    """Choose excerpts of pairs' episodes, None for what does not occur in the table.
+    """Select excerpts of pairs' episodes, None for events that do not occur in the table.
 
     Args:
-        table: table of two HAVs per episode, with two goals.
-        single: the same of one HAV.
+        table: Table of two HAVs per episode, with two goals.
+        single: Table of one HAV per episode.
 
     Returns:
-        jackknife: the first one, and before it; None when a single HAV shows one. evasion: a pair
+        jackknife: The first one, and before it; None when a single HAV shows one. evasion: a pair
         that evades and still hits its goals.
     """
     shown = _flags(single, "jackknifed").any()
@@ -94,7 +113,7 @@ def _choose_jackknife(table: pa.Table, num_havs: int) -> Excerpt | None:
 
 
 def _choose_evasion(table: pa.Table) -> Excerpt | None:
-    """Look for a pair that has time to come near, and whose size is usual."""
+    """Find a pair of usual size with enough time to come near."""
     good = _flags(table, "goal_2_hit") & ~_flags(table, "jackknifed")
     good &= ~_flags(table, "actual_collision")
     episode, step = table["episode"].to_numpy(), table["potential_collision_step"].to_numpy()
@@ -107,7 +126,7 @@ def _choose_evasion(table: pa.Table) -> Excerpt | None:
 
 
 def _choose_miss(table: pa.Table) -> Excerpt | None:
-    """Its step is not in the table: see ``round_closest``."""
+    """Find a close miss; its step is not in the table: see ``round_closest``."""
     narrow = np.zeros(len(table), np.bool_)
     for kind in ("heading", "euclidean"):
         narrow |= table[f"goal_1_{kind}_miss_steps"].to_numpy() > 0
@@ -138,6 +157,6 @@ def _distance_from_median(values: np.ndarray) -> np.ndarray:
 
 
 def _least(table: pa.Table, values: np.ndarray, allowed: np.ndarray) -> dict | None:
-    """Return the first allowed row with the least value, None when none is allowed."""
+    """Return the first allowed row with the least value, None if no row is allowed."""
     rows = np.flatnonzero(allowed & ~np.isnan(values))
     return table.slice(rows[np.argmin(values[rows])], 1).to_pylist()[0] if len(rows) else None

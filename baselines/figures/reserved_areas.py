@@ -13,11 +13,11 @@ from hav_env import Batch, Task
 from hav_env.maths.kdop import SIDES, corner
 from hav_env.policies.driver import PolicyDriver
 
-_STEP_ROUNDING = 1e-6  # of a step: a path may be shorter by that than its number of steps
+_STEP_ROUNDING = 1e-6  # share of a step: a path may be shorter by that than its number of steps
 
 
 def remember(policy, scenario, seed: int, episode: int, task: Task = Task()) -> np.ndarray:
-    """Run an episode as ``record_trajectory`` does, and return what its HAVs remember.
+    """Run an episode as ``record_trajectory`` does, and return the memory of its HAVs.
 
     Returns:
         The memory (T, N, K) in each of the T states of the trajectory.
@@ -37,9 +37,9 @@ def reserved_corners(rows: np.ndarray, x: float, y: float, heading: float) -> np
 
     Args:
         rows: The HAV's memory after a step.
-        x: x of its truck then [m].
-        y: y of its truck then [m].
-        heading: Heading of its truck then [rad].
+        x: x of its truck at that time [m].
+        y: y of its truck at that time [m].
+        heading: Heading of its truck at that time [rad].
     """
     if rows[m.MODE] != states.RESERVED:
         return None

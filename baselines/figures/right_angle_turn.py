@@ -2,8 +2,8 @@
 
 The manoeuvre is that of turning tests. The middle of the truck's front axle follows a straight
 line, an arc to the left, and a straight line again. The classical Runge-Kutta method integrates the
-headings of all units over the way of the front axle. ``hav_env.vehicles.steady_circles`` states the
-equations.
+headings of all units over the path of the front axle. ``hav_env.vehicles.steady_circles`` states
+the equations.
 """
 
 import functools
@@ -18,13 +18,13 @@ from hav_env.vehicles.steady_circles import least_radius
 USUAL_RADIUS = 12.5
 """Radius of the arc [m], the outer radius of the ring of Directive 96/53/EC."""
 SPARE = 1.02
-"""Radius that is driven, as a multiple of the least one."""
-_WAY = 0.05  # [m] of the front axle's way
-_EDGE_POINTS = 11  # of a long side of a body
+"""Radius of the turn, as a multiple of the least one."""
+_WAY = 0.05  # [m] step along the front axle's path
+_EDGE_POINTS = 11  # points on a long side of a body
 
 
 class Turn(NamedTuple):
-    """A vehicle on its way round a corner: the arc begins at (0, 0), to the left of heading 0."""
+    """A vehicle in a turn round a corner: the arc begins at (0, 0), to the left of heading 0."""
 
     vehicle: Combination
     """The vehicle."""
@@ -39,7 +39,7 @@ class Turn(NamedTuple):
 
 
 def tightest_radius(vehicle: Combination) -> float:
-    """Return the least radius [m] of the truck's rear axle for good.
+    """Return the least radius [m] of the truck's rear axle in a steady turn.
 
     Steering and articulations stay within their limits.
     """
@@ -48,7 +48,7 @@ def tightest_radius(vehicle: Combination) -> float:
 
 
 def turn_radius(vehicle: Combination) -> float:
-    """Return the radius [m] of the front axle's arc: the usual one if the vehicle can take it."""
+    """Return the radius [m] of the front axle's arc: the usual one if the vehicle can follow it."""
     least = math.hypot(vehicle.lengths[0], SPARE * tightest_radius(vehicle))
     return max(USUAL_RADIUS, least)
 
@@ -65,10 +65,10 @@ def drive_turn(
     """Drive a vehicle round an arc, and on until its rear end is straight again.
 
     Args:
-        vehicle: a vehicle of the catalogue; it begins straight.
-        radius: of the arc of the truck's front axle [m].
-        angle: of the arc [rad].
-        step: way of the front axle in a step [m].
+        vehicle: Vehicle of the catalogue; it begins straight.
+        radius: Radius of the arc of the truck's front axle [m].
+        angle: Angle of the arc [rad].
+        step: Step along the front axle's path [m].
     """
     arc = radius * angle
     ways = step * np.arange(math.ceil((arc + 2.0 * vehicle.overall_length) / step) + 1)
@@ -89,7 +89,7 @@ def drive_turn(
 
 
 def _rates(vehicle: Combination, headings: np.ndarray, direction: float) -> np.ndarray:
-    """Return by how much headings change over a metre of the front axle's way."""
+    """Return the change of headings per metre of the front axle's path."""
     steering = direction - headings[0]
     speed, rates = math.cos(steering), np.empty(len(headings))
     rates[0] = math.sin(steering) / vehicle.units[0].length
@@ -114,17 +114,17 @@ def _axles_behind(vehicle: Combination, headings: np.ndarray, front: np.ndarray)
 def body_points(turn: Turn, samples: slice = slice(None)) -> np.ndarray:
     """Return points of the outlines of all bodies (T, K, P, 2) [m].
 
-    The first half of the P points are on the right side from rear to front, the other half on the
-    left side from front to rear: together they are a closed outline.
+    The first half of the P points are on the right side from rear to front. The other half are on
+    the left side from front to rear, so all form a closed outline.
 
     Args:
-        turn: the vehicle on its way.
-        samples: which of the T moments.
+        turn: Vehicle in a turn.
+        samples: Selection of the T moments.
     """
     outlines = []
     for place, unit in enumerate(turn.vehicle.units):
         along = np.linspace(-unit.rear, unit.length + unit.front, _EDGE_POINTS)
-        along = np.sort(np.append(along, 0.0))  # beside the axle a body is nearest to the centre
+        along = np.sort(np.append(along, 0.0))  # a body is nearest to the centre beside the axle
         right = along - 1j * unit.half_width
         outline = np.concatenate([right, right[::-1].conj()])
         heading = turn.headings[samples, place, None]
@@ -135,14 +135,15 @@ def body_points(turn: Turn, samples: slice = slice(None)) -> np.ndarray:
 
 
 def inside_of(turn: Turn, points: np.ndarray) -> np.ndarray:
-    """Return how far points are inside of the front axle's way [m], less than 0 where outside.
+    """Return the distance of points inside the front axle's path [m], negative outside.
 
     Args:
-        turn: a turn of less than 180 degrees.
-        points: (..., 2) near that way [m].
+        turn: Turn of less than 180 degrees.
+        points: (..., 2) points near that path [m].
     """
     x, y = points[..., 0], points[..., 1]
-    bearing = np.arctan2(x, turn.radius - y)  # of the arc's centre, 0 where the arc begins
+    # bearing from the arc's centre, 0 where the arc begins
+    bearing = np.arctan2(x, turn.radius - y)
     cosine, sine = math.cos(turn.angle), math.sin(turn.angle)
     end_x, end_y = turn.radius * sine, turn.radius * (1.0 - cosine)
     after = (y - end_y) * cosine - (x - end_x) * sine
@@ -154,18 +155,18 @@ def inside_of(turn: Turn, points: np.ndarray) -> np.ndarray:
 
 
 def off_tracking(turn: Turn) -> float:
-    """Return how far any axle comes inside of the front axle's way, at most [m]."""
+    """Return the largest distance of any axle inside the front axle's path [m]."""
     return float(inside_of(turn, turn.axles).max())
 
 
 def swept_width(turn: Turn) -> float:
-    """Return how wide a road must be [m]: what bodies need inside and outside of the way."""
+    """Return the required width of a road [m]: the space of bodies inside and outside the path."""
     inside = inside_of(turn, body_points(turn))
     return float(inside.max() - inside.min())
 
 
 def tail_swing(turn: Turn) -> float:
-    """Return how far a rear corner swings out beyond where that side drove before the turn [m]."""
+    """Return the largest swing of a rear corner beyond that side's line before the turn [m]."""
     outline = body_points(turn)
     widths = np.array([unit.half_width for unit in turn.vehicle.units])
     beyond = -outline[:, :, 0, 1] - widths  # the rear corner on the right, T times K

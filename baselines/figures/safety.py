@@ -1,11 +1,10 @@
 """This module draws the figures of docs/safety.md: ``python -m baselines.figures.safety``.
 
-The first figure shows the reserved areas of two HAVs while one makes room for the other. The second
+The first figure shows the reserved areas of two HAVs while one gives space to the other. The second
 one shows ten HAVs that cross a circle. The third one compares arrival times with AVOID-JACK on the
 same episodes.
 """
 
-import colorsys
 import dataclasses
 import pathlib
 import sys
@@ -42,11 +41,11 @@ from hav_env.evaluation.rollout import rollout
 from hav_env.models.text import visible
 from hav_env.scenarios import check_scenario
 
-_FIGURE_SEED = 2026  # of all episodes
-_PAIR_EPISODE = 29  # of a pair: each HAV blocks the other's path
-_MOMENTS = (31.0, 56.0, 240.0)  # [s] of that episode
-_CROSSING_EPISODE = 2  # of HAVs on a circle
-_EARLIEST = 5.0  # [s] no HAV arrives before
+_FIGURE_SEED = 2026  # seed of all episodes
+_PAIR_EPISODE = 29  # episode of a pair in which each HAV blocks the other's path
+_MOMENTS = (31.0, 56.0, 240.0)  # [s] moments of that episode
+_CROSSING_EPISODE = 2  # episode of HAVs on a circle
+_EARLIEST = 5.0  # [s] before the first arrival
 _MOST_HAVS, _MOST_STEPS = 1_000, 10**7
 _DASHED: dict = {"ls": (0, (4, 1.5)), "lw": 0.8}
 _DOTTED: dict = {"ls": (0, (1, 1.2)), "lw": 1.0}
@@ -58,10 +57,10 @@ _CHAIN_HANDLE = Line2D(
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """The size of the episodes to draw, and the folder of the pictures."""
+    """Size of the episodes to draw, and folder of the pictures."""
 
     output: pathlib.Path = pathlib.Path("docs/images")
-    """Folder of the pictures, reserve_*.png; those that are there are replaced."""
+    """Folder of the pictures, reserve_*.png; existing files are replaced."""
     episodes: int = 500
     """Number of episodes with one HAV, and also with two, whose times are drawn."""
     worlds: int = 40
@@ -77,7 +76,7 @@ class Options:
 def main(words: list[str] | None = None) -> int:
     """Draw the pictures, and return the exit code. An error is reported in one line."""
     usage, about = "python -m baselines.figures.safety", "Draw the figures of docs/safety.md."
-    return run_command(usage, about, Options(), illustrate, words, "nothing is half written")
+    return run_command(usage, about, Options(), illustrate, words, "no file is partly written")
 
 
 def illustrate(options: Options) -> str:
@@ -95,7 +94,7 @@ def illustrate(options: Options) -> str:
     check_threads(options.threads)
     if options.output.exists() and not options.output.is_dir():
         raise ValueError(f"output {options.output} is a file, but must be a folder")
-    options.output.mkdir(parents=True, exist_ok=True)  # before anything is simulated
+    options.output.mkdir(parents=True, exist_ok=True)  # before the simulation
     task = Task(max_steps=options.steps)
     figures = {
         "reserve_outlines": draw_outlines(task),
@@ -149,7 +148,7 @@ def draw_outlines(task: Task = Task()) -> Figure:
     handles = [
         _CHAIN_HANDLE,
         Line2D([], [], label="reserved: the outline that is broadcast", **square),
-        Line2D([], [], color=GREY, label="circle to drive on for ever, reserved too", **_DASHED),
+        Line2D([], [], color=GREY, label="circle to drive on without end, reserved too", **_DASHED),
         Line2D([], [], color=GREY, label="planned path, to be reserved part by part", **_DOTTED),
         Line2D([], [], color=GREY, label="truck at its goal", **_ARROW),
     ]
@@ -158,7 +157,7 @@ def draw_outlines(task: Task = Task()) -> Figure:
 
 
 def _doing(trajectory: Trajectory, rows: np.ndarray, hav: int, state: int) -> str:
-    """Return what a HAV does in a state in which its memory is ``rows``."""
+    """Return the activity of a HAV in a state with the memory ``rows``."""
     if trajectory.waiting[state, hav]:
         return "has arrived"
     if rows[m.MODE] != states.RESERVED:
@@ -175,7 +174,7 @@ def _doing(trajectory: Trajectory, rows: np.ndarray, hav: int, state: int) -> st
 def _draw_reserved(
     axes: Axes, trajectory: Trajectory, hav: int, state: int, rows: np.ndarray
 ) -> None:
-    """Draw a HAV, its goal, its path, and what it has reserved."""
+    """Draw a HAV, its goal, its path, and its reserved area."""
     color = HAV_COLORS[hav]
     pose = trajectory.x[state, hav], trajectory.y[state, hav], trajectory.heading[state, hav, 0]
     corners, circle = reserved_corners(rows, *pose), circle_behind(rows, *pose)
@@ -193,7 +192,7 @@ def _draw_reserved(
 
 
 def _draw_chain(axes: Axes, trajectory: Trajectory, hav: int, state: int, color) -> None:
-    """Draw a HAV, its number before it."""
+    """Draw a HAV with its number in front."""
     points = chain_points(trajectory, hav, state)
     draw_units(axes, trajectory, hav, state, color)
     ahead = points[0] - points[1]
@@ -204,7 +203,7 @@ def _draw_chain(axes: Axes, trajectory: Trajectory, hav: int, state: int, color)
 
 
 def _draw_goal(axes: Axes, trajectory: Trajectory, hav: int, color, length: float) -> None:
-    """Draw an arrow from where the truck's rear axle is to be."""
+    """Draw an arrow from the goal position of the truck's rear axle."""
     x, y, heading = trajectory.goals[hav, 0]
     ahead = length * np.array([np.cos(heading), np.sin(heading)])
     style: dict = {"angles": "xy", "scale_units": "xy", "scale": 1, "units": "inches"}
@@ -216,7 +215,7 @@ def draw_roundabout(havs: int = 10, task: Task = Task()) -> Figure:
     """Draw HAVs that cross a circle to the opposite side, at four moments, to scale."""
     scenario = Crossing(num_havs=havs)
     trajectory = record_trajectory(Reserve(), scenario, _FIGURE_SEED, _CROSSING_EPISODE, task)
-    colors = [colorsys.hls_to_rgb(hav / havs, 0.42, 0.7) for hav in range(havs)]
+    colors = [HAV_COLORS[hav % len(HAV_COLORS)] for hav in range(havs)]
     figure = new_figure(6.9, 6.4)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     moments = np.linspace(0, len(trajectory.step) - 1, panels.size + 1).astype(int)
@@ -250,7 +249,7 @@ def draw_times(tables: dict[str, list[pa.Table]], task: Task = Task()) -> Figure
 
     Args:
         tables: Tables of Reserve and AVOID-JACK on the same episodes, by the title of their panel.
-        task: The rules of the episodes.
+        task: Rules of the episodes.
     """
     figure = new_figure(2.5)
     panels = figure.subplots(1, len(tables), sharex=True, sharey=True)

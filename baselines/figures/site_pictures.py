@@ -13,10 +13,11 @@ import numpy as np
 from baselines.figures.trajectory_plot import (
     BLUE,
     DARK,
+    GREEN,
     GREY,
-    HAV_COLORS,
     LIGHT,
     ORANGE,
+    PURPLE,
     Axes,
     Figure,
     Line2D,
@@ -40,16 +41,17 @@ from hav_env.vehicles import catalogue
 _PICTURED_SEED = 1
 _WIDTH = 7.0  # inches
 _HIGHEST = 6.4
+_KIND_COLORS = (BLUE, ORANGE, GREEN, PURPLE)  # of vehicles: a picture has many HAVs of each
 
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """The folders of pictures and drives, and the sites to draw."""
+    """Folders of pictures and drives, and the sites to draw."""
 
     sites: tuple[str, ...] = tuple(SITES)
     """Names of scenarios."""
     output: pathlib.Path = pathlib.Path("docs/images")
-    """Folder of site_*.png; those that are there are replaced."""
+    """Folder of site_*.png; existing files are replaced."""
     drives: pathlib.Path = DRIVE_FOLDER
     """Folder of the drives."""
 
@@ -57,7 +59,7 @@ class Options:
 def main(words: list[str] | None = None) -> int:
     """Draw, and return the exit code. An error is reported in one line."""
     usage, about = "python -m baselines.figures.site_pictures", "Draw the sites of scenarios."
-    return run_command(usage, about, Options(), illustrate, words, "nothing is half written")
+    return run_command(usage, about, Options(), illustrate, words, "no file is partly written")
 
 
 def illustrate(options: Options) -> str:
@@ -67,7 +69,7 @@ def illustrate(options: Options) -> str:
         ValueError: A site is unknown.
         OSError: The folder cannot be written.
     """
-    told = []
+    lines = []
     for name in options.sites:
         if name not in SITES:
             raise ValueError(f"unknown site {name!r}; known: {', '.join(SITES)}")
@@ -75,11 +77,11 @@ def illustrate(options: Options) -> str:
         figure = draw_site(name, paths)
         (file,) = save_figure(figure, options.output, f"site_{name}", ("png",))
         ways = [_length(path) for path in paths]
-        told.append(
+        lines.append(
             f"{visible(str(options.output / file))}: {len(paths)} drives of {min(ways):.0f} to"
             f" {max(ways):.0f} m, {SITES[name].site.num_segments} segments"
         )
-    return "\n".join(told)
+    return "\n".join(lines)
 
 
 @sheet
@@ -87,8 +89,8 @@ def draw_site(name: str, paths: list[Path]) -> Figure:
     """Draw a site with the HAVs at the start of an episode, and all drives.
 
     Args:
-        name: of a scenario in ``SITES``.
-        paths: its drives.
+        name: Name of a scenario in ``SITES``.
+        paths: Drives of the site.
     """
     scenario = SITES[name]
     x0, y0, x1, y1 = scenario.site.bounds
@@ -100,7 +102,7 @@ def draw_site(name: str, paths: list[Path]) -> Figure:
         else:
             axes.fill(*points.T, fc=GREY, ec=DARK, lw=0.6, zorder=3)
     for path in paths:
-        color = HAV_COLORS[SITE_VEHICLES[name].index(path.vehicle) % len(HAV_COLORS)]
+        color = _KIND_COLORS[SITE_VEHICLES[name].index(path.vehicle) % len(_KIND_COLORS)]
         axes.plot(*path.points[:, :2].T, color=color, lw=0.35, alpha=0.6, zorder=2)
     ahead = 0.02 * max(x1 - x0, y1 - y0)
     for x, y, heading in scenario.place:
@@ -116,7 +118,7 @@ def draw_site(name: str, paths: list[Path]) -> Figure:
     axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
     axes.margins(0.02)
     handles = [
-        Line2D([], [], color=HAV_COLORS[k % len(HAV_COLORS)], lw=0.8, label=f"drives of {vehicle}")
+        Line2D([], [], color=_KIND_COLORS[k % 4], lw=0.8, label=f"drives of {vehicle}")
         for k, vehicle in enumerate(SITE_VEHICLES[name])
     ]
     square: dict = {"ls": "", "marker": "s", "ms": 6}
@@ -130,7 +132,7 @@ def draw_site(name: str, paths: list[Path]) -> Figure:
 
 
 def _draw_start(axes: Axes, name: str) -> None:
-    """Draw the HAVs of one episode where they start."""
+    """Draw the HAVs of one episode at their starts."""
     scenario = SITES[name]
     batch = Batch(scenario, 1, vehicle=MODELS.make("realistic"))
     batch.reset(_PICTURED_SEED)

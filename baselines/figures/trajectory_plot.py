@@ -8,10 +8,12 @@ import numpy as np
 
 from baselines.cli.markup import plot_text
 from baselines.figures.drawn_havs import DARK, draw_obstacles, draw_units, explain_drawn
-from baselines.figures.representative_episodes import Excerpt
+from baselines.figures.plot_labels import Label, label_panels
+from baselines.figures.representative_episodes import Excerpt, row_of, rows_between
 from baselines.replay.trajectory import Trajectory, chain_points, front_points
 from baselines.storage.atomic_files import whole_file
 from hav_env import Task
+from hav_env.rendering.colors import PALETTE, web_color
 from hav_env.world.arrays import JACKKNIFE
 from hav_env.world.event_table import EVENTS
 from hav_env.world.units.parts import FRONT
@@ -25,16 +27,19 @@ try:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Circle, Wedge
 except ImportError as error:
-    raise ImportError("figures need matplotlib: pip install 'hav_env[plots]'") from error
+    raise ImportError(
+        "figures need matplotlib: run pip install -e '.[plots]' in the clone"
+    ) from error
 
-# Okabe and Ito's colours, told apart with any colour vision and in grey
+# Okabe and Ito's colours, distinguishable with any colour vision and in grey
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#AA4499"
 GREY, LIGHT = "#888888", "#CCCCCC"
-HAV_COLORS = (BLUE, ORANGE, GREEN, PURPLE)
+HAV_COLORS = tuple(web_color(color) for color in PALETTE)  # as in films and pages
 
 _WIDTH = 7.2  # inches, two columns of a paper
-_DPI = 160  # of PNG files
-_MOST_POINTS = 2_000  # of a drawn path
+_DPI = 160  # resolution of PNG files
+_LEGEND_COLUMNS = 3
+_MOST_POINTS = 2_000  # largest number of points of a drawn path
 sheet = mpl.rc_context(
     {
         "font.size": 8,
@@ -52,7 +57,7 @@ sheet = mpl.rc_context(
         "ytick.major.width": 0.6,
     }
 )
-"""Decorates a function that draws, to give its figure the common style."""
+"""Decorator that gives the figure of a drawing function the common style."""
 
 
 def new_figure(height: float, width: float = _WIDTH) -> Figure:
@@ -68,15 +73,15 @@ def save_figure(
     name: str,
     kinds: tuple[str, ...] = ("png", "svg"),
 ) -> list[str]:
-    """Write name.png and name.svg, each whole or not at all; equal figures give equal bytes.
+    """Write name.png and name.svg, each atomically; equal figures give equal bytes.
 
-    The figure is laid out once, for both files: that takes as long as writing one of them.
+    The layout is computed once for both files: that takes as long as writing one of them.
 
     Args:
-        figure: figure to write; it keeps its layout from then on.
-        folder: where to; it is made.
-        name: of the files, without a suffix.
-        kinds: which of the two files.
+        figure: Figure to write; it keeps its layout from then on.
+        folder: Folder of the files, created if necessary.
+        name: Name of the files, without a suffix.
+        kinds: Kinds of files to write.
 
     Returns:
         The names of the files.
@@ -114,20 +119,21 @@ def draw_trajectory(
     """Draw the paths of the trucks, their chains at some moments, start and goals; to scale.
 
     Args:
-        trajectory: an episode, all steps of it or some.
-        title: stands above.
-        excerpt: the part to draw; by default all of it.
-        moments: how many chains of each HAV to draw, evenly spread over time; near the excerpt's
-            moment and new goals, those instead.
-        task: for the duration of a step and the tolerances of the goals.
+        trajectory: Episode, with all or some of its steps.
+        title: Title above the figure.
+        excerpt: Part to draw; by default all of it.
+        moments: Number of chains of each HAV to draw, evenly spread over time; near the excerpt's
+            moment and new goals, those replace them.
+        task: Rules, for the duration of a step and the tolerances of the goals.
     """
     excerpt = excerpt or Excerpt(0, len(trajectory.num_trailers))
-    rows = _rows_between(trajectory, excerpt)
     figure = new_figure(4.0)
     axes = figure.add_subplot()
-    draw_episode(axes, trajectory, title, excerpt, moments, task)
-    _fit_height(figure, axes)
-    figure.legend(handles=_legend(trajectory, rows, excerpt, task), loc="outside right upper")
+    labels = draw_episode(axes, trajectory, title, excerpt, moments, task)
+    handles = explain_episode(trajectory, excerpt, task)
+    figure.legend(handles=handles, loc="outside lower center", ncols=_LEGEND_COLUMNS)
+    _fit_height(figure, axes, len(handles))
+    label_panels({axes: labels})
     return figure
 
 
@@ -138,14 +144,16 @@ def draw_episode(
     excerpt: Excerpt,
     moments: int,
     task: Task = Task(),
-) -> None:
-    """Draw what ``draw_trajectory`` draws into axes, without a legend."""
-    rows, moment = _rows_between(trajectory, excerpt), _row_of(trajectory, excerpt)
+) -> list[Label]:
+    """Draw the content of ``draw_trajectory`` into axes, without a legend; return its labels."""
+    rows, moment = rows_between(trajectory, excerpt), row_of(trajectory, excerpt)
     shown = _choose_moments(trajectory, rows, moments, None if excerpt.moment is None else moment)
+    poses: list[Label] = []
+    times: list[Label] = []
     for hav in range(len(trajectory.num_trailers)):
-        _draw_poses(axes, trajectory, hav, rows, task)
+        poses += _draw_poses(axes, trajectory, hav, rows, task)
         _draw_path(axes, trajectory, hav, rows)
-        _draw_chains(axes, trajectory, hav, shown, task.dt)
+        times += _draw_chains(axes, trajectory, hav, shown, task.dt)
         if excerpt.evading:
             center = trajectory.x[moment, hav], trajectory.y[moment, hav]
             axes.add_patch(Circle(center, trajectory.footprint[hav], **_footprint_style(hav)))
@@ -156,32 +164,19 @@ def draw_episode(
         axes.plot(x, y, "o", ms=13, mfc="none", mec=DARK, mew=1.2, zorder=6)
     axes.set(xlabel="x [m]", ylabel="y [m]", title=plot_text(title))
     axes.set_aspect("equal", adjustable="datalim")
-
-
-def _rows_between(trajectory: Trajectory, excerpt: Excerpt) -> np.ndarray:
-    last = trajectory.step[-1] if excerpt.last is None else excerpt.last
-    kept = (trajectory.step >= excerpt.first) & (trajectory.step <= last)
-    if not kept.any():
-        raise ValueError(f"no state was kept from step {excerpt.first} to {last}")
-    return np.flatnonzero(kept)
+    return poses + times
 
 
 def _choose_moments(
     trajectory: Trajectory, rows: np.ndarray, count: int, moment: int | None
 ) -> np.ndarray:
-    """Return rows evenly spread, those near a special one replaced by it."""
+    """Return evenly spread rows; the special moment replaces those near it."""
     special = list(rows[1:][(np.diff(trajectory.phase[rows], axis=0) > 0).any(axis=1)])
     special += [] if moment is None else [moment]
     even = rows[np.linspace(0, len(rows) - 1, count).astype(int)]
     gap = 0.5 * len(rows) / max(count - 1, 1)
     clear = [row for row in even if all(abs(row - other) > gap for other in special)]
     return np.unique([*clear, *special, rows[0], rows[-1]])
-
-
-def _row_of(trajectory: Trajectory, excerpt: Excerpt) -> int:
-    """Return the row of the excerpt's moment, or of the nearest state after it that was kept."""
-    row = int(np.searchsorted(trajectory.step, excerpt.moment or 0))
-    return min(row, len(trajectory.step) - 1)
 
 
 def _color(hav: int) -> str:
@@ -196,22 +191,15 @@ def _path_style(goal: int) -> dict[str, Any]:
     return {"lw": 0.8, "alpha": 0.65, "ls": "-" if goal == 0 else (0, (4, 1.5))}
 
 
-def _label(axes: Axes, place, text: str, color: str, offset: np.ndarray) -> None:
-    """Write beside a place, ``offset`` in points, on a ground that lets it be read on lines."""
-    box = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.75}
-    beside: dict[str, Any] = {"xytext": offset.tolist(), "textcoords": "offset points"}
-    style: dict[str, Any] = {
-        "color": color,
-        "fontsize": 6.5,
-        "ha": "center",
-        "va": "center",
-        "zorder": 7,
-    }
-    axes.annotate(text, place, bbox=box, **beside, **style)
+def _draw_poses(
+    axes: Axes, trajectory: Trajectory, hav: int, rows: np.ndarray, task: Task
+) -> list[Label]:
+    """Draw arrows, 1.5 trucks long, from start and goals, the latter with their tolerances.
 
-
-def _draw_poses(axes: Axes, trajectory: Trajectory, hav: int, rows: np.ndarray, task: Task) -> None:
-    """Draw arrows, 1.5 trucks long, from start and goals, the latter with their tolerances."""
+    Returns:
+        The names of the poses.
+    """
+    labels = []
     color, truck = _color(hav), trajectory.length[hav, 0]
     style: dict[str, Any] = {
         "angles": "xy",
@@ -232,11 +220,13 @@ def _draw_poses(axes: Axes, trajectory: Trajectory, hav: int, rows: np.ndarray, 
             axes.add_patch(Wedge((x, y), 1.5 * truck, *sides, fc=color, alpha=0.25, zorder=2))
             axes.add_patch(Circle((x, y), task.distance_tolerance, fc=color, alpha=0.5, zorder=2))
         axes.quiver(x, y, *(1.5 * truck * ahead), color=color, zorder=3, **style)
-        _label(axes, (x, y), name, color, 14 * np.array([-ahead[1], ahead[0]]))
+        aside = 14 * np.array([-ahead[1], ahead[0]])
+        labels.append(Label(np.array([x, y]), name, color, aside))
+    return labels
 
 
 def _draw_path(axes: Axes, trajectory: Trajectory, hav: int, rows: np.ndarray) -> None:
-    """Draw where the truck's rear axle went, solid to the first goal, dashed to later ones."""
+    """Draw the path of the truck's rear axle, solid to the first goal, dashed to later ones."""
     for goal in np.unique(trajectory.phase[rows, hav]):
         part = rows[trajectory.phase[rows, hav] == goal]
         part = np.unique([*part[:: len(part) // _MOST_POINTS + 1], part[-1]])
@@ -246,8 +236,9 @@ def _draw_path(axes: Axes, trajectory: Trajectory, hav: int, rows: np.ndarray) -
 
 def _draw_chains(
     axes: Axes, trajectory: Trajectory, hav: int, shown: np.ndarray, dt: float
-) -> None:
-    """Draw a HAV at some moments, each place once, with the time."""
+) -> list[Label]:
+    """Draw a HAV at some moments, each position once; return the times, except for the start's."""
+    labels = []
     previous = None
     for row in shown:
         points = chain_points(trajectory, hav, row)
@@ -257,18 +248,24 @@ def _draw_chains(
         draw_units(axes, trajectory, hav, row, _color(hav))
         ahead = (points[0] - points[1]) / trajectory.length[hav, 0]
         overhang = 0.0 if trajectory.shape is None else trajectory.shape[hav, 0, FRONT]
-        text = f"{trajectory.step[row] * dt:.0f} s"
-        _label(axes, points[0] + overhang * ahead, text, DARK, 9 * ahead)
+        if trajectory.step[row] > 0:
+            text = f"{trajectory.step[row] * dt:.0f} s"
+            labels.append(Label(points[0] + overhang * ahead, text, DARK, 9 * ahead))
+    return labels
 
 
-def _fit_height(figure: Figure, axes: Axes) -> None:
-    """Make the figure as high as what it shows, within reason."""
+def _fit_height(figure: Figure, axes: Axes, entries: int) -> None:
+    """Fit the figure's height to its content and a legend, within limits."""
     axes.margins(0.04)
     box = axes.dataLim
-    figure.set_figheight(float(np.clip((_WIDTH - 2.2) * box.height / box.width + 0.6, 2.4, 6.0)))
+    height = (_WIDTH - 0.8) * box.height / box.width + 0.6
+    legend = 0.17 * -(-entries // _LEGEND_COLUMNS) + 0.1
+    figure.set_figheight(float(np.clip(height, 2.4, 5.4)) + legend)
 
 
-def _legend(trajectory: Trajectory, rows: np.ndarray, excerpt: Excerpt, task: Task) -> list[Line2D]:
+def explain_episode(trajectory: Trajectory, excerpt: Excerpt, task: Task = Task()) -> list[Line2D]:
+    """Return the entries of a legend for the content of ``draw_episode``."""
+    rows = rows_between(trajectory, excerpt)
     handles = []
     line = _color(0) if len(trajectory.num_trailers) == 1 else DARK
     for hav, trailers in enumerate(trajectory.num_trailers):

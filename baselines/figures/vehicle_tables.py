@@ -1,4 +1,4 @@
-"""This module writes tables of the catalogue: how vehicles turn, dimensions and sources."""
+"""This module writes tables of the catalogue: turning behaviour, dimensions and sources."""
 
 import math
 
@@ -24,8 +24,8 @@ _TURN_COLUMNS = (
 )
 _UNIT_FIELDS = ("length", "hitch", "half_width", "front", "rear", "articulation_max")
 _UNIT_COLUMNS = ("unit", "length", "hitch", "width", "front", "rear", "articulation")
-_STAR = "\\*"  # a lone one would be emphasis
-_LIMITS = {  # field: what it is called, unit, factor
+_STAR = "\\*"  # a single one would mean emphasis
+_LIMITS = {  # field: name, unit, factor
     "speed_max": ("working speed", "m/s", 1.0),
     "steering_max": ("steering", "degrees", math.degrees(1.0)),
     "steering_rate": ("steering rate", "rad/s", 1.0),
@@ -36,18 +36,24 @@ _LIMITS = {  # field: what it is called, unit, factor
 _INTRODUCTION = """\
 # Dimensions of the vehicles of the catalogue
 
-For everybody who wants to know what a number of [the catalogue](vehicles.md) is worth. Lengths
-are in metres, angles in degrees. A **star** marks an assumption: no source was seen. Below each
-table stand the sources with the names that numbers have there, and the reasons for assumptions.
-`catalogue(name).origins` has the same for programs, and `catalogue(name).assumed` the names of all
-numbers with a star.
+For users who want to check the source of a number of [the catalogue](vehicles.md). Lengths are in
+metres, angles in degrees. A **star** marks an assumption: no source was found. Below each table are
+the sources, with the names of the numbers there, and the reasons for assumptions. Programs find the
+same in `catalogue(name).origins`, and the names of all numbers with a star in
+`catalogue(name).assumed`:
+
+```python
+from hav_env.vehicles import catalogue
+
+print(catalogue("wb-67").origins[0], sorted(catalogue("wb-67").assumed))
+```
 
 `python -m baselines.figures.catalogue` writes this page.
 """
 
 
 def turn_table() -> str:
-    """Return how each vehicle of the catalogue turns, as a table in Markdown."""
+    """Return the turning behaviour of each vehicle of the catalogue, as a table in Markdown."""
     rows = [_TURN_COLUMNS, ("---",) + ("--:",) * (len(_TURN_COLUMNS) - 1)]
     rows += [_turn_row(catalogue(name)) for name in COMBINATIONS.names()]
     return _markdown(rows)
@@ -108,22 +114,22 @@ def _section(vehicle: Combination) -> str:
 
 
 def _sources(vehicle: Combination) -> str:
-    """Return each source of a vehicle, with the numbers that are from it; assumptions come last."""
+    """Return each source of a vehicle, with its numbers; assumptions come last."""
     sources: dict[str, dict[str, list[str]]] = {}
     for origin in sorted(vehicle.origins, key=lambda origin: origin.assumed):
         notes = sources.setdefault(origin.source, {})
         notes.setdefault(origin.note, []).append(_called(origin.field))
     lines = []
     for source, notes in sources.items():
-        told = [
+        facts = [
             f"{', '.join(names)}{f' ({note})' if note else ''}" for note, names in notes.items()
         ]
-        lines.append(f"- {source or f'{_STAR} Assumed'}: {'; '.join(told)}")
+        lines.append(f"- {source or f'{_STAR} Assumed'}: {'; '.join(facts)}")
     return "\n".join(lines) + "\n"
 
 
 def _called(path: str) -> str:
-    """Return what a number is called on the page, such as ``length 1`` or ``braking``."""
+    """Return the name of a number on the page, such as ``length 1`` or ``braking``."""
     place, _, field = path.removeprefix("units[").partition("].")
     if not field:
         return _LIMITS[path][0]

@@ -17,6 +17,7 @@ from hav_env.models.quantities import (
     Factor,
     Release,
     Share,
+    Speed,
 )
 from hav_env.policies.interface import (
     act_lanes,
@@ -38,70 +39,87 @@ from hav_env.world.sensing import (
     num_trailers,
     obstacle_point,
     own_footprint,
+    route_ahead,
     steering_direction,
     unit_length,
 )
 
 
 class AvoidJack(NamedTuple):
-    """The paper's reference policy, section IV. Its open choices are named here."""
+    """The paper's reference policy, section IV. It names the paper's open choices."""
 
     b: Coefficient = 0.5
-    """Offset of the jackknife weight 1 + tanh(b - c cos(articulation)), eq.
-    (jackknife-weigt-func)."""
+    """Offset of the jackknife weight 1 + tanh(b - c cos(articulation)), eq. (15)."""
     c: Coefficient = 2.0
     """Slope of the jackknife weight."""
     beta: Articulation = math.radians(75.0)
-    """Articulation threshold [rad] of eq. (vmax), which bounds the speed; the paper's fleets may
+    """Articulation threshold [rad] of eq. (16), which bounds the speed; the paper's fleets may
     always drive their 1 m/s."""
     dt: Duration = 0.2
-    """Reaction time [s] of eq. (vmax): the duration of a step, ``Task.dt``."""
+    """Reaction time [s] of eq. (16): the duration of a step, ``Task.dt``."""
     close_factor: Factor = 3.5
-    """"Close to goal" means within this many truck lengths. The paper leaves it open; 3.5 fits its
-    goals and jackknifes of single HAVs (docs/reproduction.md)."""
+    """Distance in truck lengths that counts as "close to goal". The paper leaves it open; 3.5 fits
+    the paper's goals and jackknifes of single HAVs (docs/reproduction.md).
+    """
     straight_below: Distance = 1e-3
-    """A turn at the start of the Dubins path shorter than this counts as none [m]. The paper
-    says nothing of it; rounding makes some threshold necessary."""
+    """Length [m] below which the turn at the start of a Dubins path counts as none. The paper does
+    not state it; rounding makes a threshold necessary.
+    """
     evasion_truck_share: Factor = 0.0
-    """A HAV evades when the distance of the trucks falls below the collision distance d_ih plus
-    this share of both trucks' lengths. The paper names d_ih alone. A HAV out of sensing range is
-    not evaded: a wide circle may need a larger ``Task.sensing_range``."""
+    """A HAV evades if the distance of the trucks is below the collision distance d_ih plus this
+    share of both trucks' lengths. The paper names d_ih alone. A HAV does not evade others out of
+    sensing range: a wide circle may need a larger ``Task.sensing_range``.
+    """
     evasion_center: Share = 0.0
-    """Which points of both trucks that distance is between: this share of the truck's length ahead
-    of its rear axle. The text says the rear axle (0); 0.5, the truck's centre, with half of the
-    truck's length in the distance makes circles that hold the whole HAV."""
+    """Points of both trucks between which that distance is measured, as a share of the truck's
+    length ahead of its rear axle. The text states the rear axle (0). The truck's centre (0.5), with
+    half of the truck's length in the distance, makes circles that cover the whole HAV.
+    """
     evasion_from_center: bool = False
-    """Evade from that point of the other truck to the same one of the own truck. The text goes
-    from rear axle to rear axle. It makes no difference where ``evasion_center`` is 0."""
+    """Whether to evade from that point of the other truck to the same point of the own truck. The
+    text uses the rear axles. It has no effect if ``evasion_center`` is 0.
+    """
     evasion_clipped: bool = False
-    """Cut the direction of evasion to the steering limit before the jackknife repulsion is added;
-    goal attraction is within the limit by itself. The text cuts the sum alone. Cut, hardly any HAV
-    with fewer than four trailers jackknifes, as the text says."""
+    """Whether to clip the direction of evasion to the steering limit before the jackknife repulsion
+    is added; goal attraction is always within the limit. The text clips the sum only. With
+    clipping, hardly any HAV with fewer than four trailers jackknifes, as the text states.
+    """
     evasion_release: Release = 1.0
     """Evasion ends when the distance exceeds this many times the distance at which it starts. The
-    paper leaves the end open; 1 is the least that its text needs. A HAV out of sensing range is
-    no longer evaded: a larger factor may need a larger ``Task.sensing_range``."""
+    paper leaves the end open; 1 is the least value that its text allows. A HAV stops evading others
+    that leave sensing range: a larger factor may need a larger ``Task.sensing_range``.
+    """
     keep_first: bool = True
-    """Of several HAVs that are too near, evade the one detected first until it is left behind;
+    """Whether to evade the HAV detected first until it is left behind, if several are too near;
     otherwise the one whose circle is entered deepest. The paper gives priority to "the first
-    detected HAV that initiates evasion"; of those detected in one step, it is the deepest."""
+    detected HAV that initiates evasion"; among those detected in one step, it is the deepest.
+    """
 
     obstacle_factor: Factor = 2.0
-    """Collision distance of obstacles, in lengths of the truck. The paper models obstacles as point
-    masses with a defined collision distance, and tries none. The point is the nearest one to the
-    truck's rear axle. It is evaded before any HAV."""
+    """Collision distance of obstacles [truck lengths]. The paper models obstacles as point masses
+    with a defined collision distance, and tests none. The point is the one nearest to the truck's
+    rear axle. A HAV evades it before any HAV, and not at all on a route of the guidance.
+    """
+    guided_speed: Speed = 1.5
+    """Largest speed on a route of the guidance [m/s]. Real wheels take time to turn: at full speed
+    a truck would miss the bends. The paper's fleets drive 1 m/s.
+    """
+    guided_pull: Factor = 4.0
+    """Length of the goal vector on a route of the guidance; elsewhere it is 1. Against a vector of
+    length 1, the jackknife repulsion keeps trucks from circles that their trailers can follow.
+    """
 
 
-_TINY = 1e-12  # m, keeps the direction away from a HAV at the same place finite
-# What a HAV remembers: 1 + the number of the HAV being evaded, 0 for none; and while it decides:
-# the goal vector or the one away from that HAV; the sum of the jackknife weights.
+_TINY = 1e-12  # m, keeps the direction away from a HAV at the same position finite
+# Memory of a HAV: 1 + the index of the HAV that it evades, 0 for none; during a decision the goal
+# vector, or the vector away from that HAV, and the sum of the jackknife weights.
 EVADED, VECTOR_FORWARD, VECTOR_LEFT, WEIGHT = range(4)
 
 
 @check_parameters.register
 def _(policy: AvoidJack, scenario) -> None:
     limit = scenario.articulation_max
-    if not policy.beta < limit:  # eq. (vmax) would allow no speed
+    if not policy.beta < limit:  # eq. (16) would allow no speed
         raise ValueError(f"policy beta is {policy.beta}, but must be below {limit:.6g}")
 
 
@@ -117,13 +135,13 @@ def _(policy: AvoidJack, cosine):
 
 @evaded.register(AvoidJack)
 def evaded_by_avoid_jack(policy, memory, agent, lane):
-    """Return the number of the HAV being evaded."""
+    """Return the index of the HAV that is being evaded, NEVER for none."""
     return int(memory[agent, EVADED, lane]) - 1
 
 
 @act_lanes.register(AvoidJack)
 def avoid_jack(policy, memory, world, agent, speed, steering):
-    """Add goal attraction (or evasion) and jackknife repulsion, eqs. (jackknife-vector-...)."""
+    """Add goal attraction (or evasion) and jackknife repulsion, eqs. (10) and (11)."""
     _attract(policy, memory, world, agent)
     if speed.shape[0] > 1:
         for lane in range(world.lanes):
@@ -146,7 +164,9 @@ def avoid_jack(policy, memory, world, agent, speed, steering):
             articulation_max,
             policy.beta,
         )
-        speed[agent, lane] = min(speed_max, safe)
+        known, _, _, _, _ = route_ahead(world, agent, lane)
+        most = policy.guided_speed if known else speed_max
+        speed[agent, lane] = min(speed_max, safe, most)
         steering[agent, lane] = clip(atan2(left, forward), -steering_max, steering_max)
 
 
@@ -158,11 +178,26 @@ def _attract(policy, memory, world, agent):
         cosine, sine = steering_direction(world, agent, lane)
         memory[agent, VECTOR_FORWARD, lane] = 1.0 if side == 0.0 else cosine
         memory[agent, VECTOR_LEFT, lane] = side * sine
+    for lane in range(world.lanes):
+        known, _, _, curvature, _ = route_ahead(world, agent, lane)
+        if known:
+            cosine, sine = _steer_along(world, agent, lane, curvature)
+            memory[agent, VECTOR_FORWARD, lane] = policy.guided_pull * cosine
+            memory[agent, VECTOR_LEFT, lane] = policy.guided_pull * sine
+
+
+@kernel
+def _steer_along(world, agent, lane, curvature):
+    """Return cosine and sine of the steering angle that follows a curvature [1/m]."""
+    _, steering_max, _ = limits(world, agent, lane)
+    wanted = atan2(curvature * unit_length(world, agent, 0, lane), 1.0)
+    sine, cosine = sincos(clip(wanted, -steering_max, steering_max))
+    return cosine, sine
 
 
 @kernel
 def _evade(policy, memory, world, agent, lane):
-    """Replace the goal vector by one away from the HAV to be evaded, where there is one."""
+    """Replace the goal vector by one away from the HAV to evade, if there is one."""
     evaded = choose_evaded(policy, memory, world, agent, lane)
     if evaded >= 0:
         share = policy.evasion_center if policy.evasion_from_center else 0.0
@@ -172,7 +207,7 @@ def _evade(policy, memory, world, agent, lane):
 
 @kernel
 def _evade_obstacles(policy, memory, world, agent):
-    """Replace the vector by one away from the nearest obstacle, where one is too near."""
+    """Replace the vector by one away from the nearest obstacle, if one is too near."""
     for lane in range(world.lanes):
         distance = policy.obstacle_factor * unit_length(world, agent, 0, lane)
         least, nearest_forward, nearest_left = distance * distance, 0.0, 0.0
@@ -181,7 +216,8 @@ def _evade_obstacles(policy, memory, world, agent):
             squared = forward * forward + left * left
             if squared < least:
                 least, nearest_forward, nearest_left = squared, forward, left
-        if least < distance * distance:
+        known, _, _, _, _ = route_ahead(world, agent, lane)
+        if least < distance * distance and not known:
             _turn_away(policy, memory, world, agent, nearest_forward, nearest_left, lane)
 
 
@@ -212,26 +248,27 @@ def _add_weights(policy, memory, world, agent):
 
 @kernel
 def jackknife_weight(policy, cosine):
-    """Return 1 + tanh(b - c cos(articulation)), eq. (jackknife-weigt-func).
+    """Return 1 + tanh(b - c cos(articulation)), eq. (15).
 
-    Written as 2 / (1 + exp(-2 z)), which is the same and takes one exponential.
+    The form 2 / (1 + exp(-2 z)) is equal and needs one exponential.
     """
     return 2.0 / (1.0 + exp(2.0 * (policy.c * cosine - policy.b)))
 
 
 @kernel
 def safe_speed(dt, truck, trailer, steering_tangent, articulation_max, beta):
-    """Return v_max [m/s], eq. (vmax).
+    """Return v_max [m/s], eq. (16).
 
-    No faster can the first trailer's articulation get from the threshold past its limit in a step.
+    At that speed, the first trailer's articulation cannot pass from the threshold beyond its limit
+    in a step.
 
     Args:
-        dt: duration of a step [s].
-        truck: length l^0 of the truck [m].
-        trailer: length l^1 of the first trailer [m].
-        steering_tangent: tan(phi^max) of the largest steering angle.
-        articulation_max: limit delta^max of the articulation [rad].
-        beta: threshold of the articulation [rad].
+        dt: Duration of a step [s].
+        truck: Length l^0 of the truck [m].
+        trailer: Length l^1 of the first trailer [m].
+        steering_tangent: tan(phi^max), the tangent of the largest steering angle.
+        articulation_max: Limit delta^max of the articulation [rad].
+        beta: Threshold of the articulation [rad].
     """
     sine, _ = sincos(beta)
     rate = abs(sine / trailer + steering_tangent / truck)

@@ -13,12 +13,12 @@ from hav_env.world.sensing import goal_direction, goal_pose, limits, stable_radi
 
 
 class DubinsPursuit(NamedTuple):
-    """Follow the shortest Dubins path to the goal; no regard for trailers and other HAVs."""
+    """Follow the shortest Dubins path to the goal, without regard to trailers and other HAVs."""
 
     close_factor: Factor = 3.5
-    """"Close to goal" means within this many truck lengths; see ``AvoidJack.close_factor``."""
+    """Distance in truck lengths that counts as "close to goal"; see ``AvoidJack.close_factor``."""
     straight_below: Distance = 1e-3
-    """A first turn shorter than this counts as none [m]; see ``AvoidJack.straight_below``."""
+    """Length [m] below which a first turn counts as none; see ``AvoidJack.straight_below``."""
 
 
 @act.register(DubinsPursuit)
@@ -34,7 +34,7 @@ def goal_attraction(close_factor, straight_below, world, agent, lane):
     """Return the side to which the path to the goal starts, Algorithm (goal_attraction).
 
     Far from the goal the path leads to the approach point P^A, one truck length before the goal,
-    eq. (approach-point), with the radius R_min; close to it to the goal itself, with the truck's
+    eq. (18), with the radius R_min; close to it to the goal itself, with the truck's
     length as radius.
 
     Returns:

@@ -1,4 +1,4 @@
-"""This module computes the layers of a network, compiled: normalizer, tanh units, outputs."""
+"""This module computes the layers of a network in kernels: normalizer, tanh units, outputs."""
 
 from hav_env.compiled import fixed, kernel
 from hav_env.maths.elementary import exp
@@ -17,15 +17,15 @@ def normalize(policy, inputs, lanes):
 
 @kernel
 def propagate(policy, rows, lanes):
-    """Work out the layers in the first lanes.
+    """Compute the layers in the first lanes.
 
     Args:
-        policy: a Network.
-        rows: (K, W) whose first rows are the inputs; the others are overwritten.
-        lanes: how many.
+        policy: A Network.
+        rows: (K, W) The first rows are the inputs; the function overwrites the other rows.
+        lanes: Number of lanes.
 
     Returns:
-        In which row the first of both outputs is; the second one is in the next.
+        The row of the first output; the second output is in the next row.
     """
     inputs, first, widest = 0, 0, 0
     for layer in range(1, policy.sizes.size):
@@ -48,7 +48,7 @@ def propagate(policy, rows, lanes):
 
 @kernel
 def _sum_up(policy, rows, lanes, inputs, output, num_inputs, first, bias):
-    """Work out one unit: its bias, plus weights times inputs, four at a time."""
+    """Compute one unit: its bias plus weights times inputs, in groups of four."""
     weights = policy.weights
     for k in range(lanes):
         rows[output, k] = weights[bias]

@@ -1,35 +1,56 @@
 """This module holds the trained policies that ship with the project, as attributes."""
 
 import pathlib
+from typing import cast
 
-from baselines.policies.files import SUFFIX, load_policy
+from baselines.policies.files import SUFFIX, load_policy, load_trained
 from baselines.policies.network import Network
+from baselines.policies.reserve import Reserve
+from hav_env.policies.filtered import Filtered
 
 TRAINED = {
     name: pathlib.Path(__file__).parent / f"{name}{SUFFIX}"
-    # ppo_beginner is what ppo_pair began with
-    for name in ("ppo_single", "ppo_pair", "ppo_beginner")
+    # the training of ppo_pair began with ppo_beginner
+    for name in ("ppo_single", "ppo_guided", "ppo_pair", "ppo_beginner")
 }
 
+# read at their first use
+ppo_single: Network
+"""Network that PPO trained for single HAVs."""
+ppo_guided: Filtered
+"""Network that PPO trained for single HAVs on feasible routes, with its jackknife filter."""
+ppo_reserve: Filtered
+"""``ppo_guided`` with Reserve as its backup: for any number of HAVs, without jackknifes and
+collisions."""
+ppo_pair: Network
+"""Network that PPO trained for pairs."""
+ppo_beginner: Network
+"""Network from which the training of ppo_pair began."""
 
-def __getattr__(name: str) -> Network:
-    """Read a policy when it is wanted: entry points name it as an attribute."""
+
+def __getattr__(name: str) -> Network | Filtered:
+    """Read a policy at its first use: entry points name it as an attribute."""
+    if name == "ppo_reserve":
+        guided = cast(Filtered, load_policy(TRAINED["ppo_guided"]))
+        return guided._replace(backup=Reserve())
     if name not in TRAINED:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return load_policy(TRAINED[name])
 
 
 def find_trained(name: str) -> Network:
-    """Return a trained policy by its name or file. No code of whoever made it runs.
+    """Return a trained policy by its name or file, without its filter.
+
+    Reading a file runs no code of its author.
 
     Raises:
-        ValueError: when there is none, or its file is broken.
+        ValueError: If there is no such policy, or its file is broken.
     """
     path = policy_file(name)
     if path is None:
         known = ", ".join([*TRAINED, f"FILE{SUFFIX}"])
         raise ValueError(f"policy is {name!r}, but must be a trained one: {known}")
-    return load_policy(path)
+    return load_trained(path).policy
 
 
 def policy_file(name: str) -> pathlib.Path | None:

@@ -10,7 +10,7 @@ from hav_env.world.arrays import NEVER, WHEN
 
 
 def scene_at(trajectory: Trajectory, time: float) -> Scene:
-    """Return the scene at a time [s] since the episode began; motion is interpolated linearly."""
+    """Return the scene at a time [s] of the episode, by linear interpolation of the motion."""
     moments = trajectory.step * trajectory.dt
     row = int(np.clip(np.searchsorted(moments, time, "right") - 1, 0, len(moments) - 1))
     after = min(row + 1, len(moments) - 1)
@@ -33,7 +33,7 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         x=x,
         y=y,
         heading=between(trajectory.heading),
-        # nothing is decided in the last state
+        # the last state has no decisions
         speed=np.nan_to_num(trajectory.motion[row, :, 0]),
         steering=np.nan_to_num(trajectory.motion[row, :, 1]),
         num_trailers=trajectory.num_trailers,
@@ -52,12 +52,21 @@ def scene_at(trajectory: Trajectory, time: float) -> Scene:
         evaded=trajectory.evaded[row],
         command=np.nan_to_num(np.stack([trajectory.speed[row], trajectory.steering[row]], axis=1)),
         segment=trajectory.segment,
+        reserved=_reserved_at(trajectory, row),
         struck=struck_in(np.where(happened[..., None], trajectory.first, NEVER)),
     )
 
 
+def _reserved_at(trajectory: Trajectory, row: int) -> np.ndarray | None:
+    """Return the reserved areas, (N, 24, 2) with nan for none; None if no HAV ever has one."""
+    if not len(trajectory.outline):
+        return None
+    numbers = trajectory.reserved[row]
+    return np.where((numbers == NEVER)[:, None, None], np.nan, trajectory.outline[numbers])
+
+
 def frame_times(trajectory: Trajectory, speed: float, fps: int) -> np.ndarray:
-    """Return the time [s] of every frame of a film at a speed, the last state's included."""
+    """Return the time [s] of every frame of a film at a speed, including the last state."""
     first, last = trajectory.step[[0, -1]] * trajectory.dt
     # rounding must not add a frame
     count = math.ceil((last - first) * fps / speed - 1e-6) + 1

@@ -9,43 +9,48 @@ from hav_env import Batch, Task
 from hav_env.maths.random_numbers import Seed
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Steps
+from hav_env.policies.demands import bind, check_guided
 from hav_env.policies.interface import check_models
 from hav_env.vehicles import OnAxle
 from hav_env.world.arrays import ARTICULATION, FOOTPRINT, HIT_STEP
 from hav_env.world.chain import axles_of, corners_of, fronts_of
+from hav_env.world.place.guidance import Dubins
 from hav_env.world.place.reading import segments_in
 from hav_env.world.units.reading import limits_in, offsets_in, shapes_in
 
 
 class Trajectory(NamedTuple):
-    """The states of one episode that were kept, T of them.
+    """The T recorded states of one episode.
 
     Shapes as in ``hav_env.world.arrays``.
     """
 
-    step: np.ndarray  # (T,) steps done; row 0 is the state after reset
+    step: np.ndarray  # (T,) number of steps since the reset; row 0 is the state after reset
     x: np.ndarray  # (T, N) truck's rear axle [m]
     y: np.ndarray  # (T, N) [m]
     heading: np.ndarray  # (T, N, U) of every unit [rad], not wrapped
     waiting: np.ndarray  # (T, N) bool: at its goal
-    removed: np.ndarray  # (T, N) bool: has left the world; x and y are where it was last
-    phase: np.ndarray  # (T, N) which of its goals is under way, from 0
-    speed: np.ndarray  # (T, N) decided in this state [m/s]; nan in the last, where nothing is
+    removed: np.ndarray  # (T, N) bool: has left the world; x and y are its last position
+    phase: np.ndarray  # (T, N) number of the current goal, from 0
+    speed: np.ndarray  # (T, N) decision in this state [m/s]; nan in the last state, which has none
     steering: np.ndarray  # (T, N) [rad], left positive
-    motion: np.ndarray  # (T, N, 2) what the truck made of both in the step that follows
+    motion: np.ndarray  # (T, N, 2) speed and steering of the truck in the next step
     evaded: np.ndarray  # (T, N) the HAV evaded in this state, NEVER for none
+    reserved: np.ndarray  # (T, N) number of the outline that the HAV has reserved, NEVER for none
+    outline: np.ndarray  # (K, 24, 2) corners of the reserved outlines, x and y [m]; K may be 0
     num_trailers: np.ndarray  # (N,)
     length: np.ndarray  # (N, U) wheelbase and trailer lengths [m], inf beyond the last
-    offset: np.ndarray  # (N, U) how far behind the axle of a unit its trailer is hitched [m]
+    offset: np.ndarray  # (N, U) hitch offset of the trailer behind a unit [m]
     shape: np.ndarray | None  # (N, U, 3) bodies, columns HALF_WIDTH .. REAR [m]; None for lines
     footprint: np.ndarray  # (N,) radius d_i [m]
-    articulation_max: np.ndarray  # (N, U) jackknifed beyond it [rad]; void for trucks
+    articulation_max: np.ndarray  # (N, U) limit of the articulation [rad]; undefined for trucks
     goals: np.ndarray  # (N, G, 3) x [m], y [m], heading [rad]
     segment: np.ndarray  # (S, 4) obstacles: x, y of one end, x, y of the other [m]; S may be 0
     first: np.ndarray  # (N, E, 2) WHEN (step) and WHERE, or NEVER, of ``events_in(first)``
-    hit_step: np.ndarray  # (N, G) at which each goal was hit, or NEVER
+    hit_step: np.ndarray  # (N, G) step of the hit of each goal, or NEVER
     dt: float  # duration of a step [s]
-    policy: str  # a name to be shown, like the next
+    max_steps: int  # time is up after so many steps
+    policy: str  # a name for titles, like scenario
     scenario: str
     seed: int
     episode: int
@@ -59,31 +64,36 @@ def record_trajectory(
     task: Task = Task(),
     vehicle=OnAxle(),
     every: int = 1,
+    guidance=Dubins(),
 ) -> Trajectory:
-    """Run one episode as ``rollout`` does, and keep its states.
+    """Run one episode as ``rollout`` does, and record its states.
 
     Args:
-        policy: drives every HAV.
-        scenario: scenario of the world.
-        seed: of the episode.
-        episode: its number.
-        task: the rules.
-        vehicle: the kinematics.
-        every: keep the states after each so many steps, and the last one in any case.
+        policy: Policy of all HAVs.
+        scenario: Scenario of the world.
+        seed: Seed of the episode.
+        episode: Number of the episode.
+        task: Rules of the episode.
+        vehicle: Kinematics of the HAVs.
+        every: Number of steps between recorded states; the last state is always recorded.
+        guidance: Guidance to the goals.
 
     Raises:
-        ValueError, TypeError: for parameters that are not allowed, naming them.
-        PlacementError: when the scenario has no room for its HAVs.
+        ValueError, TypeError: If a parameter is invalid; the message names it.
+        PlacementError: If the scenario has no space for its HAVs.
     """
+    policy = bind(policy, task, vehicle)
     check_models(policy, scenario, task, vehicle)
     check_value("episode", Seed, episode)
     check_value("every", Steps, every)
-    batch = Batch(scenario, 1, task, vehicle)
+    batch = Batch(scenario, 1, task, vehicle, guidance=guidance)
+    check_guided(policy, batch.guidance)
     batch.reset(seed, np.array([episode]))
-    states = run_and_record(policy, batch, every)
+    states, outlines = run_and_record(policy, batch, every)
     fleet, record = batch.worlds.fleet, batch.worlds.record
     return Trajectory(
         **states._asdict(),
+        outline=outlines,
         num_trailers=fleet.num_trailers[:, 0].copy(),
         length=fleet.length[:, :, 0].copy(),
         offset=offsets_in(fleet, 0),
@@ -95,6 +105,7 @@ def record_trajectory(
         first=record.first[..., 0].copy(),
         hit_step=record.goal[:, :, HIT_STEP, 0].astype(np.int64),
         dt=float(task.dt),
+        max_steps=int(task.max_steps),
         policy=type(policy).__name__,
         scenario=type(scenario).__name__,
         seed=int(seed),
@@ -102,13 +113,40 @@ def record_trajectory(
     )
 
 
+_OVER_TIME = (
+    *("step", "x", "y", "heading", "waiting", "removed", "phase", "speed", "steering"),
+    *("motion", "evaded", "reserved"),
+)
+
+
+def cut_trajectory(trajectory: Trajectory, begin: float | None, end: float | None) -> Trajectory:
+    """Return the part of an episode between two times.
+
+    Args:
+        trajectory: the episode.
+        begin: first time [s]; None for the first state.
+        end: last time [s]; None for the last state.
+
+    Raises:
+        ValueError: If fewer than two states are left.
+    """
+    times = trajectory.step * trajectory.dt
+    first = times[0] if begin is None else begin
+    last = times[-1] if end is None else end
+    kept = (times >= first - 1e-9) & (times <= last + 1e-9)
+    if kept.sum() < min(2, len(times)):
+        told = f"the states are from {times[0]:g} s to {times[-1]:g} s"
+        raise ValueError(f"from {first:g} s until {last:g} s is too short a part: {told}")
+    return trajectory._replace(**{name: getattr(trajectory, name)[kept] for name in _OVER_TIME})
+
+
 def chain_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray) -> np.ndarray:
-    """Return where the axles of a HAV are; hitched on axles, they are the polygonal chain P_i.
+    """Return the positions of the axles of a HAV; with on-axle hitching, its chain P_i.
 
     Args:
         trajectory: the states.
-        hav: which HAV.
-        rows: which of the T states: an index, a slice or an array of indices.
+        hav: Index of the HAV.
+        rows: Rows of the T states: an index, a slice or an array of indices.
 
     Returns:
         (..., K, 2) x and y [m], rows first: the truck's front axle, its rear axle, then the axle of
@@ -118,9 +156,9 @@ def chain_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarra
 
 
 def front_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray) -> np.ndarray:
-    """Return where the front ends of a HAV's units are, the truck's front axle and the hitches.
+    """Return the front ends of the units of a HAV: the truck's front axle and the hitches.
 
-    Args are those of ``chain_points``.
+    The arguments are those of ``chain_points``.
 
     Returns:
         (..., K, 2) x and y [m], rows first, of K units.
@@ -131,9 +169,9 @@ def front_points(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarra
 def body_corners(
     trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray
 ) -> np.ndarray | None:
-    """Return the corners of a HAV's bodies, None where they are lines.
+    """Return the corners of the bodies of a HAV, None if its bodies are lines.
 
-    Args are those of ``chain_points``.
+    The arguments are those of ``chain_points``.
 
     Returns:
         (..., K, 4, 2) x and y [m], rows first, of K units, as from ``corners_of``.
@@ -145,7 +183,7 @@ def body_corners(
 
 
 def _units_at(trajectory: Trajectory, hav: int, rows: int | slice | np.ndarray) -> tuple:
-    """Return the poses of a HAV, and of its units headings, lengths and offsets."""
+    """Return the positions of a HAV, and the headings, lengths and offsets of its units."""
     units = trajectory.num_trailers[hav] + 1
     x, y = trajectory.x[rows, hav], trajectory.y[rows, hav]
     heading, length = trajectory.heading[rows, hav, :units], trajectory.length[hav, :units]

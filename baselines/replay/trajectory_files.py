@@ -12,18 +12,19 @@ import numpy as np
 from baselines.replay.trajectory import Trajectory
 from baselines.storage.archives import Head, one_line, read_archive
 from baselines.storage.atomic_files import whole_file
+from hav_env.maths.kdop import SIDES
 from hav_env.places.site import MOST_SEGMENTS
 from hav_env.world.arrays import NEVER, WHEN, WHERE
 from hav_env.world.event_table import EVENTS, events_in
 
-_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 4
-_MOST_BYTES_KEPT = 1 << 29  # unpacked
-_HEADS = 1 << 16  # [bytes] at most, of all arrays
-_MOST_METRES = 1e9  # [m], [rad]: beyond it nothing is meant
+_ARCHIVE_KIND, _VERSION = "hav_env trajectory", 5
+_MOST_BYTES_KEPT = 1 << 29  # of an uncompressed archive
+_HEADS = 1 << 16  # [bytes], limit of the headers of all arrays
+_MOST_METRES = 1e9  # [m], [rad], limit of plausible numbers
 _MOST_SECONDS = 1e6  # [s] of an episode
 _LONGEST_NAME = 200  # characters
 _EVENTS_IN_PLANE = sum(not event.obstacles for event in EVENTS)
-# of every field: NumPy's kinds of numbers that are allowed, and its shape
+# the valid kinds of NumPy's types and the shape of every field
 _LAYOUT = {
     "step": ("iu", "T"),
     "x": ("f", "TN"),
@@ -36,6 +37,8 @@ _LAYOUT = {
     "steering": ("f", "TN"),
     "motion": ("f", "TN2"),
     "evaded": ("i", "TN"),
+    "reserved": ("i", "TN"),
+    "outline": ("f", "KC2"),
     "num_trailers": ("iu", "N"),
     "length": ("f", "NU"),
     "offset": ("f", "NU"),
@@ -47,6 +50,7 @@ _LAYOUT = {
     "first": ("i", "NE2"),
     "hit_step": ("i", "NG"),
     "dt": ("f", ""),
+    "max_steps": ("iu", ""),
     "policy": ("U", ""),
     "scenario": ("U", ""),
     "seed": ("iu", ""),
@@ -58,8 +62,8 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike) -> None:
     """Write an episode as an ``.npz`` file, whole or not at all; ``load_trajectory`` reads it.
 
     Raises:
-        ValueError: when the episode is larger than what ``load_trajectory`` reads.
-        OSError: when the file cannot be written.
+        ValueError: If the episode is larger than the limit of ``load_trajectory``.
+        OSError: If the file cannot be written.
     """
     fields: dict = trajectory._asdict()
     if trajectory.shape is None:
@@ -70,7 +74,7 @@ def save_trajectory(trajectory: Trajectory, path: str | os.PathLike) -> None:
             f"the episode has {size:,} bytes, but must have at most {_MOST_BYTES_KEPT - _HEADS:,}:"
             " keep fewer of its states"
         )
-    # given an open file, NumPy does not add a suffix of its own
+    # NumPy adds no suffix to an open file
     with whole_file(pathlib.Path(path)) as unfinished, unfinished.open("wb") as file:
         np.savez_compressed(file, kind=_ARCHIVE_KIND, version=_VERSION, **fields)
 
@@ -79,14 +83,14 @@ def load_trajectory(path: str | os.PathLike) -> Trajectory:
     """Read an episode that ``save_trajectory`` wrote.
 
     Raises:
-        ValueError: when the file is broken, cut short, of another kind or of another version.
-        OSError: when it cannot be opened.
+        ValueError: If the file is broken, truncated, of another kind or of another version.
+        OSError: If the file cannot be opened.
     """
     with pathlib.Path(path).open("rb") as file:
         try:
             trajectory = _read(file)
             _check(trajectory)
-        except Exception as error:  # what is broken may break the reading anywhere
+        except Exception as error:  # a broken file may raise any error
             raise ValueError(f"{path} is not a whole recorded episode: {one_line(error)}") from None
     return trajectory
 
@@ -110,14 +114,14 @@ def _read(file: BinaryIO) -> Trajectory:
 
 
 def _check_shapes(heads: dict[str, Head]) -> None:
-    """Check the shapes before anything is read: of what belongs together they are the same."""
+    """Check, before reading any array, that axes with the same letter have the same length."""
     lines = heads["shape"].shape[-1:] == (0,)
-    sizes = {"2": 2, "3": 3, "4": 4, "B": 0 if lines else 3}
+    sizes = {"2": 2, "3": 3, "4": 4, "B": 0 if lines else 3, "C": SIDES}
     if heads["first"].shape[1:2] != (_EVENTS_IN_PLANE,):
         sizes["E"] = len(EVENTS)
     for name, (_, axes) in _LAYOUT.items():
         shape = heads[name].shape
-        # the first array that has an axis says how long it is
+        # the first array with an axis sets its length
         if len(shape) != len(axes) or any(
             sizes.setdefault(axis, size) != size for axis, size in zip(axes, shape, strict=True)
         ):
@@ -125,7 +129,7 @@ def _check_shapes(heads: dict[str, Head]) -> None:
 
 
 def _check(trajectory: Trajectory) -> None:
-    """Raise ValueError for contents that no episode has."""
+    """Check that an episode can have these contents; else raise ValueError."""
     havs, units = trajectory.length.shape
     if not trajectory.x.size or not trajectory.goals.size:
         raise ValueError("no state or no HAV")
@@ -150,6 +154,10 @@ def _check(trajectory: Trajectory) -> None:
         ).all(),
         "a step that there is not": ((when >= NEVER) & (when <= trajectory.step[-1])).all(),
         "a HAV that there is not": ((others >= NEVER) & (others < havs)).all(),
+        "an outline that there is not": (
+            (trajectory.reserved >= NEVER) & (trajectory.reserved < len(trajectory.outline))
+        ).all(),
+        "a limit of time that has passed": trajectory.step[-1] <= trajectory.max_steps,
         "a joint that there is not": ((joints >= NEVER) & (joints < units)).all(),
         "too many obstacles": len(trajectory.segment) <= MOST_SEGMENTS,
         "an obstacle that there is not": (
@@ -168,7 +176,8 @@ def _check(trajectory: Trajectory) -> None:
                 trajectory.footprint,
                 trajectory.goals,
                 trajectory.segment,
-                # nothing is decided in the last state
+                trajectory.outline,
+                # the last state has no decisions
                 np.nan_to_num(trajectory.speed, posinf=np.inf, neginf=-np.inf),
                 np.nan_to_num(trajectory.steering, posinf=np.inf, neginf=-np.inf),
                 np.nan_to_num(trajectory.motion, posinf=np.inf, neginf=-np.inf),
@@ -186,6 +195,6 @@ def _check(trajectory: Trajectory) -> None:
 
 
 def _places_of(trajectory: Trajectory, meaning: str) -> np.ndarray:
-    """Return where all events happened of which the place has a meaning, as "joint"."""
+    """Return the places of all events whose place has a given meaning, such as "joint"."""
     rows = [event.row for event in events_in(trajectory.first) if event.place == meaning]
     return trajectory.first[:, rows, WHERE].ravel()

@@ -5,15 +5,18 @@ import importlib.resources
 import json
 import os
 import pathlib
+from typing import Any
 
 import numpy as np
 
 from baselines.replay.trajectory import Trajectory, chain_points
 from baselines.storage.atomic_files import write_text
+from hav_env.rendering.colors import DARK_GROUND_PALETTE, PALETTE, PATTERNS, web_color
+from hav_env.world.arrays import NEVER
 from hav_env.world.event_table import events_in
 
-_STYLE, _SCRIPT, _EPISODE_SLOT = "__STYLE__", "__SCRIPT__", "__EPISODE__"  # where parts belong
-# what one function of JavaScript is put together from: each part uses what those before it define
+_STYLE, _SCRIPT, _EPISODE_SLOT = "__STYLE__", "__SCRIPT__", "__EPISODE__"  # slots of the parts
+# parts of one function of JavaScript, in order: each part uses definitions of earlier parts
 _SCRIPTS = (
     "episode",
     "colors",
@@ -27,18 +30,18 @@ _SCRIPTS = (
     "controls",
 )
 _SHOWN_OF_EVENTS = ("place", "state", "happens", "sign", "color", "company", "harm")
-_MOST_UNITS_AWAY = 2**15 - 1  # of an axle: a HAV of 100 m is told to 3 mm
+_MOST_UNITS_AWAY = 2**15 - 1  # of the offset of an axle: a HAV of 100 m has a resolution of 3 mm
 
 
 def write_replay(trajectory: Trajectory, path: str | os.PathLike, speed: float = 10.0) -> None:
-    """Write one page that needs nothing else and replays an episode.
+    """Write a self-contained page that replays an episode.
 
     Args:
-        trajectory: the episode.
-        path: of the file, written whole or not at all.
-        speed: times real time, to begin with.
+        trajectory: The episode.
+        path: Path of the file, written whole or not at all.
+        speed: Initial speed over real time.
     """
-    # "<" would end the element that holds the data, were a name to contain its end tag
+    # a name with an end tag would end the element of the data, so "<" is escaped
     data = json.dumps(_pack(trajectory, speed), separators=(",", ":")).replace("<", "\\u003c")
     write_text(template().replace(_EPISODE_SLOT, data), pathlib.Path(path))
 
@@ -55,13 +58,13 @@ def template() -> str:
 
 
 def _pack(trajectory: Trajectory, speed: float) -> dict:
-    """Return the episode as JSON, what changes from state to state as base64 of small numbers."""
+    """Return the episode as JSON; arrays over states become base64 of small numbers."""
     units = np.arange(trajectory.length.shape[1]) <= trajectory.num_trailers[:, None]  # (N, U)
 
     def of_units(values: np.ndarray) -> list[list]:
         return [row[present].tolist() for row, present in zip(values, units, strict=True)]
 
-    # 32 bits tell millimetres apart within some kilometres of an origin in the middle
+    # 32 bits resolve millimetres within some kilometres of an origin in the middle
     places = trajectory.x, trajectory.y
     origin = [float(np.round((values.min() + values.max()) / 2)) for values in places]
     axles, axle_units = _pack_axles(trajectory)
@@ -72,6 +75,11 @@ def _pack(trajectory: Trajectory, speed: float) -> dict:
         "episode": trajectory.episode,
         "dt": trajectory.dt,
         "speed": speed,
+        "colors": {
+            "light": [web_color(color) for color in PALETTE],
+            "dark": [web_color(color) for color in DARK_GROUND_PALETTE],
+        },
+        "patterns": PATTERNS,
         "origin": origin,
         "lengths": of_units(trajectory.length),
         "hitchOffsets": of_units(trajectory.offset),
@@ -92,19 +100,21 @@ def _pack(trajectory: Trajectory, speed: float) -> dict:
         "y": _encode(np.round(trajectory.y - origin[1], 3), "<f4"),
         "axles": _encode(axles, "<i2"),
         "axleUnit": axle_units,
-        # nothing is decided in the last state; steering in tenths of milliradians
+        # the last state has no decisions; steering in tenths of milliradians
         "driving": _encode(np.nan_to_num(trajectory.motion[..., 0]), "<f4"),
         "steering": _encode(np.round(np.nan_to_num(trajectory.motion[..., 1]) * 1e4), "<i2"),
         "evaded": _encode(trajectory.evaded, "<i2"),
         "removed": _encode(trajectory.removed, "u1"),
+        **_pack_outlines(trajectory, origin),
+        "maxSteps": trajectory.max_steps,
     }
 
 
 def _pack_axles(trajectory: Trajectory) -> tuple[np.ndarray, list[float]]:
-    """Return where all axles but the trucks' rear ones are, seen from these.
+    """Return the positions of all other axles relative to the trucks' rear axles.
 
     Returns:
-        (T, all units of all HAVs, 2) whole numbers, and for each HAV what one of them is [m].
+        (T, all units of all HAVs, 2) whole numbers, and the unit of each HAV's numbers [m].
     """
     packed, sizes = [], []
     for hav in range(len(trajectory.length)):
@@ -113,6 +123,21 @@ def _pack_axles(trajectory: Trajectory) -> tuple[np.ndarray, list[float]]:
         sizes.append(float(np.abs(offsets).max()) / _MOST_UNITS_AWAY)
         packed.append(np.round(offsets / sizes[-1]))
     return np.concatenate(packed, axis=1), sizes
+
+
+def _pack_outlines(trajectory: Trajectory, origin: list[float]) -> dict[str, Any]:
+    """Return the outlines that HAVs reserve in the shown states, and their numbers by state."""
+    numbers, reserved = np.unique(trajectory.reserved, return_inverse=True)
+    reserved = reserved.reshape(trajectory.reserved.shape)
+    if numbers[0] == NEVER:
+        numbers, reserved = numbers[1:], reserved - 1
+    corners = trajectory.outline[numbers] - origin
+    unit = float(np.abs(corners).max(initial=0.0)) / _MOST_UNITS_AWAY or 1.0
+    return {
+        "reserved": _encode(reserved if len(numbers) else np.zeros(0), "<i4"),
+        "outlines": _encode(np.round(corners / unit), "<i2"),
+        "outlineUnit": unit,
+    }
 
 
 def _encode(values: np.ndarray, kind: str) -> str:

@@ -1,4 +1,4 @@
 """This package shows that sites can be driven: drives of single HAVs, and a driver.
 
-The plans are made off-line and kept; tests replay them in the simulator.
+The plans are computed off-line and stored; tests replay them in the simulator.
 """

@@ -1,7 +1,7 @@
-"""This module moves chains of trailers along curvatures, and measures how near walls they come.
+"""This module moves chains of trailers along curvatures, and measures their distance from walls.
 
 It serves the search for drives: many candidates at once, in NumPy. The equations are those of
-``hav_env.vehicles.steady_circles``, over the way of the truck's rear axle.
+``hav_env.vehicles.steady_circles``, over the path of the truck's rear axle.
 """
 
 import math
@@ -13,8 +13,8 @@ from scipy.ndimage import distance_transform_edt
 from hav_env.places import Site
 from hav_env.vehicles import Combination
 
-_CELL = 0.1  # [m] of the grid of distances
-_BESIDE = 0.4  # [m] between points of an outline, at most
+_CELL = 0.1  # [m] cell of the grid of distances
+_BESIDE = 0.4  # [m] largest distance between points of an outline
 
 
 class Chain(NamedTuple):
@@ -23,17 +23,17 @@ class Chain(NamedTuple):
     lengths: np.ndarray
     """(U,) [m]."""
     hitches: np.ndarray
-    """(U,) how far behind the axle ahead each unit is hitched [m]."""
+    """(U,) distance of each unit's hitch behind the axle ahead [m]."""
     limits: np.ndarray
-    """(U - 1,) greatest articulations [rad]."""
+    """(U - 1,) largest articulations [rad]."""
     along: np.ndarray
-    """(Q,) how far ahead of its unit's axle each point is [m]."""
+    """(Q,) distance of each point ahead of its unit's axle [m]."""
     aside: np.ndarray
-    """(Q,) how far to the left [m]."""
+    """(Q,) distance of each point to the left [m]."""
     unit: np.ndarray
-    """(Q,) to which unit each point belongs."""
+    """(Q,) index of each point's unit."""
     bodies: np.ndarray
-    """(U, 3) half width [m], and how far ahead of its axle a body begins and ends [m]."""
+    """(U, 3) half width, and where a body begins and ends ahead of its axle [m]."""
 
 
 def chain_of(vehicle: Combination) -> Chain:
@@ -62,7 +62,7 @@ def chain_of(vehicle: Combination) -> Chain:
 
 
 def advance(chain: Chain, states: np.ndarray, curvature: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """Return states (K, 2 + U) after ways (K, 1) [m] on curvatures (K,) [1/m], by midpoints."""
+    """Return states (K, 2 + U) after distances (K, 1) [m] on curvatures (K,) [1/m]: midpoints."""
     headings = states[:, 2:]
     middle = headings + 0.5 * way * _rates(chain, headings, curvature)
     after = headings + way * _rates(chain, middle, curvature)
@@ -124,7 +124,7 @@ class Clearance(NamedTuple):
 
 
 def clearance_of(site: Site) -> Clearance:
-    """Return how far from the site's segments places are, right to about a cell of 0.1 m."""
+    """Return the distances of positions from the site's segments, accurate to a 0.1 m cell."""
     x0, y0, x1, y1 = site.bounds
     low = np.array([x0, y0]) - 1.0
     shape = np.ceil((np.array([x1, y1]) + 1.0 - low) / _CELL).astype(int) + 1

@@ -1,4 +1,4 @@
-"""This module keeps drives on a site: found by a search, written to JSON, read as dense paths."""
+"""This module stores drives on a site: found by a search, written to JSON, read as dense paths."""
 
 import json
 import math
@@ -16,24 +16,24 @@ from hav_env.vehicles import Combination, catalogue
 from hav_env.vehicles.steady_circles import least_radius
 
 DRIVE_FOLDER = pathlib.Path("tests/scenarios/drives")
-"""Where drives are kept, from the root of the project."""
+"""Folder of the drives, from the root of the project."""
 DRIVE_MARGIN = 0.25
-"""Least distance of bodies to segments [m], for what a driver deviates from its path."""
+"""Least distance of bodies to segments [m]; it covers a driver's deviation from its path."""
 _TURN_SPARE = 1.06
 """Radius of the tightest turns, as a multiple of the vehicle's least."""
 _BETWEEN = 0.1
-"""Between the points of a path [m]."""
+"""Distance between the points of a path [m]."""
 
 
 class Path(NamedTuple):
-    """A drive as points of the way of the truck's rear axle."""
+    """A drive as points of the path of the truck's rear axle."""
 
     vehicle: str
     """Name in the catalogue."""
     begin: int
-    """Number of the place where it starts."""
+    """Number of the place at the start."""
     end: int
-    """Number of the place where it ends."""
+    """Number of the place at the end."""
     points: np.ndarray
     """(T, 4) x [m], y [m], heading [rad] and curvature [1/m]."""
 
@@ -49,11 +49,11 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
     """Search drives for all connections of a site, for each of some vehicles.
 
     Args:
-        name: of a scenario in ``SITES``.
-        vehicles: names in the catalogue.
+        name: Name of a scenario in ``SITES``.
+        vehicles: Names in the catalogue.
 
     Raises:
-        ValueError: naming the connection for which no drive was found.
+        ValueError: If no drive was found for a connection; the message names it.
     """
     scenario = SITES[name]
     field, plans = clearance_of(scenario.site), {}
@@ -77,8 +77,8 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
                     found = best_of(terms, one, known.get(like, []))
                     found = found or find_drive(terms, one, other, 0, guides)
                     if found is None:
-                        told = f"{vehicle_name} found no way from place {begin} to place {end}"
-                        raise ValueError(f"{told} of {name}: between {one} and {other}")
+                        message = f"{vehicle_name} found no way from place {begin} to place {end}"
+                        raise ValueError(f"{message} of {name}: between {one} and {other}")
                     legs[key] = found
                     known.setdefault(like, []).append(found)
                     mirrored = _relative(np.zeros(3), np.array([like[0], -like[1], -like[2]]))
@@ -91,7 +91,7 @@ def plan_site(name: str, vehicles: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _relative(one: np.ndarray, other: np.ndarray) -> tuple[float, float, float]:
-    """Return a pose as another one sees it: ahead, to the left, turned."""
+    """Return a pose relative to another: ahead, to the left, turned."""
     x, y, heading = other - one
     cosine, sine = math.cos(one[2]), math.sin(one[2])
     ahead, left = x * cosine + y * sine, y * cosine - x * sine
@@ -130,9 +130,9 @@ def trace_path(start: np.ndarray, segments: Segments, radius: float) -> np.ndarr
     """Return points (T, 4) along segments from a pose: x, y, heading, curvature.
 
     Args:
-        start: pose (3,).
-        segments: curvatures as multiples of the greatest, and lengths [m].
-        radius: of the greatest curvature [m].
+        start: Pose (3,).
+        segments: Curvatures as multiples of the largest, and lengths [m].
+        radius: Radius of the largest curvature [m].
     """
     x, y, heading = map(float, start)
     rows = []

@@ -1,6 +1,6 @@
-"""This module follows drives in the simulator: one HAV a world, all worlds at a time.
+"""This module follows drives in the simulator: one HAV per world, all worlds at a time.
 
-The driver steers by the curvature of its path ahead, and by how far it is off the path. It slows
+The driver steers by the curvature of its path ahead, and by its distance from the path. It slows
 down while the wheels turn.
 """
 
@@ -14,8 +14,8 @@ from hav_env.scenarios.site_poses import SitePoses
 from hav_env.vehicles import VEHICLES
 from hav_env.world.arrays import PHASE
 
-_AHEAD, _LOOK = 0.2, 0.4  # [m] and [s] of way over which the curvature is averaged
-_SEARCHED = 20  # points of the path behind which the nearest one is looked for
+_AHEAD, _LOOK = 0.2, 0.4  # [m] and [s] of path over which the curvature is averaged
+_SEARCHED = 20  # points of the path after the last one in which the nearest is searched
 _FASTEST, _SLOWEST = 1.5, 0.1  # [m/s]
 _WHEELS_OFF = 0.12  # [rad] between wanted and actual steering at which it is slowest
 
@@ -24,15 +24,15 @@ class Run(NamedTuple):
     """HAVs on their drives: W worlds, T steps."""
 
     poses: np.ndarray
-    """(T, W, 2) places of the trucks' rear axles [m]."""
+    """(T, W, 2) positions of the trucks' rear axles [m]."""
     headings: np.ndarray
-    """(T, W, U) of all units [rad]."""
+    """(T, W, U) headings of all units [rad]."""
     hit: np.ndarray
-    """(W,) bool: all goals were hit."""
+    """(W,) bool: whether all goals were hit."""
     off: float
-    """Farthest that a truck came off its path [m]."""
+    """Largest distance of a truck from its path [m]."""
     batch: Batch
-    """The worlds at the end, with all records."""
+    """Worlds at the end, with all records."""
     kinds: np.ndarray
     """(W,) numbers of the vehicles in the fleet."""
     places: np.ndarray
@@ -40,12 +40,12 @@ class Run(NamedTuple):
 
 
 def places_in(scenario: SitePoses, batch: Batch, hav: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Return which vehicle (W,) a HAV is in each world, and its places (W, 1 + G).
+    """Return the vehicle (W,) of a HAV in each world, and its places (W, 1 + G).
 
     Args:
-        scenario: of the batch.
-        batch: that has just been reset.
-        hav: which HAV.
+        scenario: Scenario of the batch.
+        batch: Batch that has just been reset.
+        hav: Index of the HAV.
     """
     worlds, fleet = batch.worlds, scenario.fleet
     lengths = worlds.fleet.length[hav].T[:, None]
@@ -64,9 +64,9 @@ def covering_episodes(
     """Return episodes in which HAV 0 drives all connections, and those (vehicle, from, to).
 
     Args:
-        scenario: with one HAV.
-        seed: of the episodes.
-        most: number of episodes to choose from.
+        scenario: Scenario with one HAV.
+        seed: Seed of the episodes.
+        most: Number of episodes to choose from.
     """
     batch = Batch(scenario, most, vehicle=VEHICLES.make("realistic"))
     batch.reset(seed)
@@ -93,12 +93,12 @@ def follow(
     """Drive HAV 0 of each episode from goal to goal along its drives.
 
     Args:
-        scenario: with one HAV.
-        names: of the vehicles of its fleet, in order.
-        paths: drives of all connections.
-        seed: of the episodes.
-        episodes: (W,) numbers.
-        most_steps: after which the run ends.
+        scenario: Scenario with one HAV.
+        names: Names of the vehicles of its fleet, in order.
+        paths: Drives of all connections.
+        seed: Seed of the episodes.
+        episodes: (W,) numbers of the episodes.
+        most_steps: Number of steps after which the run ends.
     """
     task = Task(max_steps=most_steps)
     batch = Batch(scenario, len(episodes), task, VEHICLES.make("realistic"))

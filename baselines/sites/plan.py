@@ -1,6 +1,7 @@
 """This module finds the drives of sites: ``python -m baselines.sites.plan docks-6``.
 
-The command writes them where tests and pictures read them. It takes a minute or two for a site.
+The command writes them to the folder that tests and pictures read. It takes a minute or two for a
+site.
 """
 
 import sys

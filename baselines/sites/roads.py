@@ -1,4 +1,4 @@
-"""This module says by which poses drives go from place to place on each site.
+"""This module states the poses through which drives go from place to place on each site.
 
 At a pose with three numbers the chain is straight. Near one with four it may be bent.
 """
@@ -12,7 +12,7 @@ from hav_env.scenarios.site_poses import SitePoses
 
 Poses = list[np.ndarray]
 _ROUND_PILE = np.array([-55.0, 22.0, math.pi]), np.array([-118.0, 2.0, -math.pi / 2])
-_RING = 11.5  # [m] of the ring of guides in a roundabout
+_RING = 11.5  # [m] radius of the ring of guides in a roundabout
 
 
 def _through_gate(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
@@ -26,7 +26,7 @@ def _direct(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
 
 
 def _across_junction(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
-    """Come in the right lane of an arm, and leave by the right lane of the arm of the goal."""
+    """Enter in the right lane of an arm, and leave by the right lane of the arm of the goal."""
     come, leave = np.array([40.0, 2.0, math.pi]), np.array([42.0, -2.0, 0.0])
     return [_turned(come, start[2] - math.pi), _turned(leave, goal[2] - math.pi)]
 
@@ -50,7 +50,7 @@ def _in_bend(radius: float, heading: float) -> np.ndarray:
 
 
 def _by_cross_aisle(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
-    """Leave an aisle, go along the cross aisle at its end, and enter another."""
+    """Leave an aisle, follow the cross aisle at its end, and enter another aisle."""
     side, ahead = math.copysign(1.0, start[2]), math.copysign(1.0, goal[0] - start[0])
     y, heading = side * 14.2, 0.0 if ahead > 0.0 else math.pi
     first, last = (round(float(x), 6) for x in (start[0] + 2.7 * ahead, goal[0] - 2.7 * ahead))
@@ -58,7 +58,7 @@ def _by_cross_aisle(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) ->
 
 
 def _round_ring(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
-    """Come in the right lane, keep to the right round the island, leave by the right lane."""
+    """Enter in the right lane, keep to the right round the island, leave by the right lane."""
     arm, last = start[2] - math.pi, goal[2] - math.pi
     quarters = round(((last - arm) % (2.0 * math.pi)) / (math.pi / 2))
     ring = [
@@ -67,6 +67,17 @@ def _round_ring(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Pos
     ]
     come, leave = np.array([45.0, 2.0, math.pi]), np.array([48.0, -2.0, 0.0])
     return [_turned(come, arm), *ring, _turned(leave, last)]
+
+
+def _round_apron(scenario: SitePoses, start: np.ndarray, goal: np.ndarray) -> Poses:
+    """Keep to the one-way round: behind the aircraft, between two wings, before the noses."""
+    if goal[2] > 0.0:
+        return [np.array([-48.0, -60.0, 0.0])]
+    aircraft = round(float(start[0]) / 58.0)
+    side = math.copysign(1.0, start[0] - 58.0 * aircraft)
+    out = np.array([start[0] + 11.0 * side, -25.5, 0.0 if side > 0.0 else math.pi, 1.0])
+    between = np.array([58.0 * aircraft + 29.0 * side, -12.0, math.pi / 2, 1.0])
+    return [out, between, np.array([-58.0, 10.0, math.pi])]
 
 
 def _turned(pose: np.ndarray, angle: float) -> np.ndarray:
@@ -84,5 +95,6 @@ ROADS: dict[str, Callable[[SitePoses, np.ndarray, np.ndarray], Poses]] = {
     "aisles-6": _by_cross_aisle,
     "haul-road-4": _along_haul_road,
     "roundabout-6": _round_ring,
+    "apron-6": _round_apron,
 }
-"""The poses between start and goal, for each site."""
+"""Poses between start and goal, for each site."""

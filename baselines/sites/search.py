@@ -1,8 +1,8 @@
 """This module searches for drives: turns that bring a vehicle from place to place, forwards only.
 
-A drive goes through given poses. Between two poses it is a straight, a Dubins path, perhaps by way
-of a random pose and a second Dubins path, and a straight again. Of all candidates that hit nothing
-and arrive nearly straight the search keeps a short one that keeps its distance.
+A drive goes through given poses. Between two poses it is a straight, a Dubins path, perhaps through
+a random pose and a second Dubins path, and a straight again. Among the candidates that hit nothing
+and arrive nearly straight, the search selects a short one with enough distance to obstacles.
 """
 
 import itertools
@@ -16,21 +16,21 @@ from baselines.sites.chain_motion import Chain, Clearance, advance, clearance_at
 from hav_env.maths.dubins import shortest_path, turns
 
 Segments = list[tuple[float, float]]
-"""Curvature as a multiple of the greatest (1 to the left, -1 to the right) and length [m]."""
+"""Curvature as a multiple of the largest (1 to the left, -1 to the right) and length [m]."""
 
-_BEND_LEFT = 0.05  # [rad] that joints may have at the end
-_JOINT_SPARE = 0.05  # [rad] to the limits of joints
+_BEND_LEFT = 0.05  # [rad] largest articulation at the end
+_JOINT_SPARE = 0.05  # [rad] distance to the limits of joints
 _STRAIGHTS = (0.0, 0.7, 1.4, 2.4)  # before and after turns: longest unit, or half the trailers
-_TRIED_RADII = (1.0, 1.25, 1.6, 4.0)  # of turns, in least radii
+_TRIED_RADII = (1.0, 1.25, 1.6, 4.0)  # radii of turns, in least radii
 _NEAR_GUIDE = np.array([0.12, 0.12, 0.12])  # standard deviations [radii, radii, rad]
-_SAMPLES = 300  # random poses in a round
+_SAMPLES = 300  # random poses per round
 _ROUNDS = 40
-_WANTED = 0.6  # [m] of distance to segments; less costs a way
-_PRICE = 12.0  # [m] of way for a metre less
+_WANTED = 0.6  # [m] distance to segments below which a path is penalised
+_PRICE = 12.0  # [m] of path per metre less
 
 
 class Terms(NamedTuple):
-    """The demands on a drive."""
+    """Demands on a drive."""
 
     chain: Chain
     """The vehicle."""
@@ -50,14 +50,14 @@ class Terms(NamedTuple):
 def find_drive(
     terms: Terms, start: np.ndarray, goal: np.ndarray, seed: int, guides: Sequence = ()
 ) -> Segments | None:
-    """Return a drive between two poses (3,); None where none was found.
+    """Return a drive between two poses (3,); None if none was found.
 
     Args:
-        terms: the demands on it.
-        start: pose of a straight chain.
-        goal: pose of the truck; the chain arrives nearly straight.
-        seed: of the random poses.
-        guides: poses (3,) near which the drive passes; the chain may be bent there.
+        terms: Demands on the drive.
+        start: Pose of a straight chain.
+        goal: Pose of the truck; the chain arrives nearly straight.
+        seed: Seed of the random poses.
+        guides: Poses (3,) near which the drive passes; the chain may be bent there.
     """
     lengths, hitches = terms.chain.lengths[1:], terms.chain.hitches[1:]
     unit = max(float(lengths.max()), 0.5 * float((lengths + hitches).sum()))
@@ -112,7 +112,7 @@ def _join(terms, start, goal, out, back, ways) -> Segments | None:
             x * cosine + y * sine, y * cosine - x * sine, aim[2] - here[2], radius
         )
         if (via is None or len(ways) > 2) and sum(parts) > 1.6 * math.hypot(x, y) + 4.5 * radius:
-            return None  # a loop that shorter candidates do without
+            return None  # a loop; shorter candidates have none
         path += [(side / share, length) for side, length in zip(turns(word), parts, strict=True)]
         here = aim
     path.append((0.0, back))
@@ -124,7 +124,7 @@ def _ahead(pose: np.ndarray, way: float) -> np.ndarray:
 
 
 def best_of(terms: Terms, start: np.ndarray, paths: list[Segments]) -> Segments | None:
-    """Return the cheapest path that is clear; None where none is."""
+    """Return the cheapest path that is clear; None if no path is."""
     if not paths:
         return None
     total = np.array([sum(length for _, length in path) for path in paths])
@@ -139,7 +139,8 @@ def best_of(terms: Terms, start: np.ndarray, paths: list[Segments]) -> Segments 
 def drive(terms: Terms, start: np.ndarray, paths: list[Segments]) -> tuple[np.ndarray, np.ndarray]:
     """Return the least distances to segments (K,) [m] along paths, and the bends at their ends.
 
-    The distance is -1 where a joint came near its limit. A path that comes too near is left there.
+    The distance is -1 if a joint came near its limit. A path that comes too near is not followed
+    further.
     """
     most = max(map(len, paths))
     side, length = np.zeros((2, len(paths), most))

@@ -1,4 +1,4 @@
-"""This module writes files atomically: whole or not at all."""
+"""This module writes files atomically: complete or not at all."""
 
 import contextlib
 import hashlib
@@ -16,7 +16,7 @@ from baselines.storage.locks import is_at, lock
 
 @contextlib.contextmanager
 def whole_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
-    """Give a temporary name in the same folder; rename it to ``path`` when all went well.
+    """Yield a temporary name in the same folder; rename it to ``path`` if no error occurs.
 
     It removes leftovers of the same file from killed processes.
     """
@@ -34,13 +34,13 @@ def whole_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
 
 
 def _close_on_windows(held: BinaryIO) -> None:
-    """Close a file where what is open cannot be renamed or removed."""
+    """Close a file on systems where an open file cannot be renamed or removed."""
     if sys.platform == "win32":
         held.close()
 
 
 def _begin(path: pathlib.Path) -> tuple[pathlib.Path, BinaryIO]:
-    """Make an empty file of a name that no other writer has; it is locked while it is open."""
+    """Make an empty file with a name that no other writer has; it is locked while it is open."""
     for number in itertools.count():
         unfinished = path.with_name(f".{os.getpid()}.{number}.{path.name}")
         try:
@@ -49,18 +49,18 @@ def _begin(path: pathlib.Path) -> tuple[pathlib.Path, BinaryIO]:
             continue
         try:
             mine = lock(held.fileno())
-        except OSError:  # where there are no locks, nobody removes it either
+        except OSError:  # without locks, no process removes it either
             mine = True
         if mine and is_at(held.fileno(), unfinished):
             return unfinished, held
-        held.close()  # another writer took it for one that was left, before it was locked
+        held.close()  # another writer removed it as a leftover before it was locked
     raise AssertionError("numbers end")
 
 
 def _remove_left(path: pathlib.Path) -> None:
     """Remove unfinished files of this name that no process holds any more.
 
-    A number of a process tells nothing: it may be in use again, or be one of another machine.
+    A process id is no evidence: it may be in use again, or belong to another machine.
     """
     name = re.compile(r"\.\d+\.(\d+\.)?" + re.escape(path.name))
     with contextlib.suppress(OSError), os.scandir(path.parent) as entries:
@@ -71,7 +71,7 @@ def _remove_left(path: pathlib.Path) -> None:
 
 def _remove_unless_held(path: str) -> None:
     with contextlib.suppress(OSError):
-        if sys.platform == "win32":  # it refuses while the file is open
+        if sys.platform == "win32":  # Windows refuses while the file is open
             os.unlink(path)
             return
         descriptor = os.open(path, os.O_RDWR)
@@ -89,7 +89,7 @@ def write_text(text: str, path: pathlib.Path) -> None:
 
 
 def digest_of(path: pathlib.Path) -> str | None:
-    """Return the SHA-256 of a file, in hexadecimal digits; None when there is no such file."""
+    """Return the SHA-256 of a file, in hexadecimal digits; None if there is no such file."""
     if not path.is_file():
         return None
     with path.open("rb") as file:
@@ -100,8 +100,8 @@ def read_object(path: pathlib.Path) -> dict[str, Any]:
     """Read a JSON object.
 
     Raises:
-        ValueError: when the file is broken or holds something else.
-        OSError: when it cannot be read.
+        ValueError: If the file is broken or holds another type.
+        OSError: If it cannot be read.
     """
     try:
         found = json.loads(path.read_text(encoding="utf-8"))

@@ -15,10 +15,10 @@ if sys.platform == "win32":
     import msvcrt
 
     def lock(descriptor: int) -> bool:
-        """Lock an open file; return False when it is locked already.
+        """Lock an open file; return False if it is already locked.
 
         Raises:
-            OSError: when the file system has no locks.
+            OSError: If the file system has no locks.
         """
         try:
             msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
@@ -30,10 +30,10 @@ else:
     import fcntl
 
     def lock(descriptor: int) -> bool:
-        """Lock an open file; return False when it is locked already.
+        """Lock an open file; return False if it is already locked.
 
         Raises:
-            OSError: when the file system has no locks.
+            OSError: If the file system has no locks.
         """
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -43,7 +43,7 @@ else:
 
 
 LOCK = ".lock"  # is in the folder while a run works there
-_held = threading.local()  # folders that this thread works in
+_held = threading.local()  # folders in which this thread works
 
 
 @contextlib.contextmanager
@@ -53,9 +53,9 @@ def sole_user(folder: pathlib.Path) -> Iterator[None]:
     The thread that works in the folder may enter again.
 
     Raises:
-        ValueError: when the folder is a file.
-        BlockingIOError: when another run works there.
-        OSError: when the folder cannot be made or written to.
+        ValueError: If the folder is a file.
+        BlockingIOError: If another run works there.
+        OSError: If the folder cannot be made or written to.
     """
     if folder.exists() and not folder.is_dir():
         raise ValueError(f"output {folder} is a file, but must be a folder")
@@ -80,13 +80,13 @@ def _folders() -> set[pathlib.Path]:
 
 
 def _take(path: pathlib.Path, folder: pathlib.Path) -> int:
-    """Return the descriptor of the lock's file, which is locked."""
+    """Return the descriptor of the lock file, which is locked."""
     while True:
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
-            told = f"the folder {folder} cannot be written to: {error.strerror}"
-            raise type(error)(told) from None
+            message = f"the folder {folder} cannot be written to: {error.strerror}"
+            raise type(error)(message) from None
         try:
             free = lock(descriptor)
         except OSError as error:
@@ -98,12 +98,12 @@ def _take(path: pathlib.Path, folder: pathlib.Path) -> int:
             return descriptor
         os.close(descriptor)
         if not free:
-            told = "wait for its end, or choose another --output"
-            raise BlockingIOError(f"another run works in {folder}: {told}")
+            advice = "wait for its end, or choose another --output"
+            raise BlockingIOError(f"another run works in {folder}: {advice}")
 
 
 def is_at(descriptor: int, path: pathlib.Path) -> bool:
-    """Tell whether an open file is still the one at a path."""
+    """Return whether an open file is still the one at a path."""
     try:
         return os.path.samestat(os.fstat(descriptor), path.stat())
     except OSError:
@@ -111,11 +111,12 @@ def is_at(descriptor: int, path: pathlib.Path) -> bool:
 
 
 def _leave(path: pathlib.Path, descriptor: int) -> None:
-    """Remove the lock's file before it is free, so that nobody locks a file that vanishes."""
+    """Remove the lock file before it is unlocked, so no process locks a file that vanishes."""
     if sys.platform != "win32" and is_at(descriptor, path):
         with contextlib.suppress(OSError):
             path.unlink()
     os.close(descriptor)
-    if sys.platform == "win32":  # what is open cannot be removed there, and what others opened
+    # Windows cannot remove open files, nor those that other processes opened
+    if sys.platform == "win32":
         with contextlib.suppress(OSError):
             path.unlink()

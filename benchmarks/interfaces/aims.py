@@ -26,15 +26,15 @@ class Aim(NamedTuple):
 
     what: str
     wanted: str
-    least: float | None  # the least that will do
-    most: float | None  # the most that will do
+    least: float | None  # lower bound of the aim
+    most: float | None  # upper bound of the aim
     measured: float | None
-    often_reset: float | None = None  # the same with short episodes
+    often_reset: float | None = None  # measurement with short episodes
     unit: str = ""
 
     @property
     def reached(self) -> bool | None:
-        """Whether what was measured, on the task as it is, will do."""
+        """Return whether the measurement on the unchanged task reaches the aim."""
         if self.measured is None:
             return None
         high_enough = self.least is None or self.measured >= self.least
@@ -42,7 +42,7 @@ class Aim(NamedTuple):
 
 
 def best(rates: Rates, matches: Callable[[Key], bool]) -> float | None:
-    """Return the rate of the fastest of the rows that match; None when there are none."""
+    """Return the rate of the fastest of the rows that match; None if there are none."""
     return max((rate for key, rate in rates.items() if matches(key)), default=None)
 
 
@@ -65,7 +65,7 @@ def best_peer(rates: Rates, task: str) -> float | None:
 
 
 def find_aims(rates: Rates, import_seconds: float) -> list[Aim]:
-    """Return what is wanted beside what was measured."""
+    """Return the aims beside the measurements."""
     vector, short = best_vector(rates, None), best_vector(rates, SHORT)
     aims = [Aim("vector", ">= 5 M/s, aim 30", 5e6, None, vector, short, "/s")]
     for task, wanted, least in (
@@ -90,5 +90,5 @@ def find_aims(rates: Rates, import_seconds: float) -> list[Aim]:
 
 
 def ratio(one: float | None, other: float | None) -> float | None:
-    """Return one over the other; None where one is missing."""
+    """Return one over the other; None if one is missing."""
     return one / other if one and other else None

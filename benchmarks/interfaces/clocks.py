@@ -1,6 +1,6 @@
-"""This module times loops that step environments for so many seconds: agent-steps/s.
+"""This module times loops that step environments for a number of seconds: agent-steps/s.
 
-The actions are drawn before.
+The actions are drawn before the clock starts.
 """
 
 import itertools
@@ -15,16 +15,16 @@ from pettingzoo import ParallelEnv
 
 DRAWN = 16  # actions are drawn before the clock runs and used in turn
 
-Run = Callable[[float], float]  # for so many seconds; returns agent-steps/s
+Run = Callable[[float], float]  # takes a duration [s]; returns agent-steps/s
 
 
 def clocked(take: Callable[[Any], int], drawn: Sequence[Any], seconds: float) -> float:
     """Take the drawn actions in turn until the seconds have passed; return agent-steps/s.
 
     Args:
-        take: takes one of ``drawn`` and returns how many agents have acted.
-        drawn: actions.
-        seconds: to go on for; one action is taken in any case.
+        take: Function that takes one of ``drawn`` and returns the number of agents that acted.
+        drawn: Actions to take.
+        seconds: Duration of the loop [s]; it takes at least one action.
     """
     agent_steps, start = 0, time.perf_counter()
     for actions in itertools.cycle(drawn):
@@ -42,7 +42,7 @@ def draw(space: gym.Space) -> list[Any]:
 
 
 def prepare_parallel(env: ParallelEnv) -> Run:
-    """Return what runs an environment of PettingZoo, all of whose agents end together."""
+    """Return a loop over a PettingZoo environment, all of whose agents end together."""
     env.reset(seed=0)
     each = {agent: draw(env.action_space(agent)) for agent in env.agents}
     drawn = [dict(zip(each, actions, strict=True)) for actions in zip(*each.values(), strict=True)]
@@ -62,7 +62,7 @@ def prepare_parallel(env: ParallelEnv) -> Run:
 
 
 def prepare_single(env: gym.Env, num_agents: int) -> Run:
-    """Return what runs an environment of Gymnasium."""
+    """Return a loop over a Gymnasium environment."""
     drawn = draw(env.action_space)
 
     def take(action: np.ndarray) -> int:
@@ -80,15 +80,15 @@ def prepare_single(env: gym.Env, num_agents: int) -> Run:
 
 
 def prepare_vector(env: gym.vector.VectorEnv, num_agents: int, length: int | None = None) -> Run:
-    """Return what runs a vector environment that begins ended episodes at the next step.
+    """Return a loop over a vector environment that begins ended episodes at the next step.
 
     The step that does so takes no action in these worlds, so it does not count.
 
     Args:
-        env: the environment.
-        num_agents: in each of its worlds.
-        length: of its episodes, if their ends are to be spread evenly over the steps. (Otherwise
-            all worlds begin together, and end together where time is what ends them.)
+        env: Environment to step.
+        num_agents: Number of agents in each of its worlds.
+        length: Length of its episodes, to spread their ends evenly over the steps. Otherwise all
+            worlds begin together, and end together if time ends them.
     """
     drawn, num_over = draw(env.action_space), 0
 
@@ -120,7 +120,7 @@ def spread_ends(env: gym.vector.VectorEnv, actions: np.ndarray, length: int) -> 
     """Step through one period of episodes of this length, each world beginning anew on the way.
 
     Returns:
-        In how many worlds the episode is over, so that the next step begins another one.
+        Number of worlds whose episode is over, so the next step begins another one.
     """
     over = np.zeros(env.num_envs, np.bool_)
     period = length + 1  # with the step that begins an episode
@@ -135,7 +135,7 @@ def spread_ends(env: gym.vector.VectorEnv, actions: np.ndarray, length: int) -> 
 
 
 def prepare_rows(env: Any) -> Run:
-    """Return what runs a ``VecEnv`` of Stable-Baselines3, each of whose rows is an agent."""
+    """Return a loop over a Stable-Baselines3 ``VecEnv``, each of whose rows is an agent."""
     drawn = draw(batch_space(env.action_space, env.num_envs))
 
     def take(actions: np.ndarray) -> int:

@@ -1,6 +1,6 @@
 """This module has empty environments, which measure the cost of Python.
 
-They return what another one returns, and simulate nothing.
+They return the same types as another environment, and simulate nothing.
 """
 
 from typing import Any, ClassVar
@@ -12,12 +12,12 @@ from pettingzoo import ParallelEnv
 
 
 class EmptyParallelEnv(ParallelEnv):
-    """The agents, spaces and names in infos of another environment, whose episodes never end."""
+    """Agents, spaces and info names of another environment, whose episodes never end."""
 
     metadata: ClassVar[dict[str, Any]] = {"name": "empty_v0", "render_modes": []}
 
     def __init__(self, like: ParallelEnv) -> None:
-        """Take over what the other environment has."""
+        """Copy the description of the other environment."""
         observations, infos = like.reset(seed=0)
         self.possible_agents, self.agents = like.possible_agents.copy(), []
         self.observation_spaces = {a: like.observation_space(a) for a in self.possible_agents}
@@ -39,7 +39,7 @@ class EmptyParallelEnv(ParallelEnv):
         return self._observations(), self._infos()
 
     def step(self, actions: dict[str, Any]) -> tuple[dict, dict, dict, dict, dict]:
-        """Return zeros, whatever the actions are."""
+        """Return zeros for any actions."""
         return (
             self._observations(),
             dict.fromkeys(self.agents, 0.0),
@@ -56,10 +56,10 @@ class EmptyParallelEnv(ParallelEnv):
 
 
 class EmptyEnv(gym.Env):
-    """The spaces and names in the info of another environment, whose episodes never end."""
+    """Spaces and info names of another environment, whose episodes never end."""
 
     def __init__(self, like: str) -> None:
-        """Take over what the environment with this id has."""
+        """Copy the description of the environment with this id."""
         env = gym.make(like)
         _, info = env.reset(seed=0)
         self.observation_space, self.action_space = env.observation_space, env.action_space
@@ -74,19 +74,19 @@ class EmptyEnv(gym.Env):
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Return zeros, whatever the action is."""
+        """Return zeros for any action."""
         return self._observation(), 0.0, False, False, self._info()
 
     def _observation(self) -> np.ndarray:
         return np.zeros(self.observation_space.shape, np.float32)
 
     def _info(self) -> dict[str, Any]:
-        """Return numbers where the other one does, and arrays of its shape where it has arrays."""
+        """Return numbers or arrays of the shapes of the other environment."""
         if not self._shape:
             return dict.fromkeys(self._names, 0.0)
         return dict(zip(self._names, np.zeros((len(self._names), *self._shape)), strict=True))
 
 
 def make_empty(like: str) -> gym.Env:
-    """Make an empty environment by ``gym.make``, in the wrappers that all its environments get."""
+    """Make an empty environment by ``gym.make``, with the wrappers of all its environments."""
     return gym.make(EnvSpec("Empty-v0", entry_point=EmptyEnv), like=like)

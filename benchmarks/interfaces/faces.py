@@ -18,10 +18,10 @@ from benchmarks.interfaces.empty import EmptyParallelEnv, make_empty
 
 SWARM, SINGLE, SB3 = "HAVSwarm-v0", "HAVSingle-v0", "HAVVecEnv"
 HAVS = {SWARM: 2, SINGLE: 1}
-ENDS = ', info="ends"'  # of the names of environments that report at ends alone
-SHORT = 100  # steps of the episodes whose resets are to be felt
+ENDS = ', info="ends"'  # of the names of environments that report only at ends
+SHORT = 100  # steps of the episodes in which resets count
 MPE_STEPS = 25  # of an episode of MPE's simple_spread
-FEW_WORLDS = 1_024  # below, no second thread is woken
+FEW_WORLDS = 1_024  # below that, no second thread is woken
 PARALLEL, PARALLEL_SHORT = "hav_env.parallel_env()", f"the same, max_cycles={MPE_STEPS}"
 PARALLEL_EMPTY = "empty ParallelEnv"
 _THREADS = (1, 2)
@@ -37,18 +37,18 @@ class Vector(NamedTuple):
 
     @property
     def column(self) -> str:
-        """The column's title."""
+        """Return the column's title."""
         words = "1 thread" if self.threads == 1 else f"{self.threads} threads"
         return words if self.max_steps is None else f"{words}, max_steps={self.max_steps}"
 
 
 def vector_rows(num_worlds: Iterable[int], singles: Iterable[int], rows: int) -> list[Vector]:
-    """Return what is measured of vector environments.
+    """Return the measured rows of vector environments.
 
     Args:
-        num_worlds: numbers of worlds of the environments of the swarm.
-        singles: numbers of worlds of the environments of a single HAV.
-        rows: number of worlds of the one for Stable-Baselines3, if that is installed.
+        num_worlds: Numbers of worlds of the environments of the swarm.
+        singles: Numbers of worlds of the environments of a single HAV.
+        rows: Number of worlds of the one for Stable-Baselines3, if that is installed.
     """
     counts = [(name, w) for name in (SWARM, SWARM + ENDS) for w in num_worlds]
     counts += [(SINGLE, w) for w in singles]
@@ -64,7 +64,7 @@ def vector_rows(num_worlds: Iterable[int], singles: Iterable[int], rows: int) ->
 
 
 def prepare_vector_row(row: Vector) -> Run:
-    """Return what measures a vector environment."""
+    """Return the measurement of a vector environment."""
     rules: dict = {} if row.max_steps is None else {"max_steps": row.max_steps}
     if row.name == SB3:
         from hav_env.envs.stable_baselines3 import HAVVecEnv  # noqa: PLC0415  (optional)
@@ -78,7 +78,7 @@ def prepare_vector_row(row: Vector) -> Run:
 
 
 def prepare_singles() -> dict[str, Run]:
-    """Return what measures environments of one world, and those that do nothing."""
+    """Return the measurements of environments of one world, and of empty ones."""
     runs = {
         PARALLEL: prepare_parallel(hav_env.parallel_env()),
         PARALLEL_SHORT: prepare_parallel(hav_env.parallel_env(max_cycles=MPE_STEPS)),
@@ -99,5 +99,5 @@ def made(name: str) -> str:
 
 
 def empty(name: str) -> str:
-    """Return the name of the row of the one that does nothing."""
+    """Return the name of the row of the empty environment."""
     return f"empty, as {name}"

@@ -1,8 +1,8 @@
 """This module measures a fresh process: seconds to its first experiment, imports, and memory.
 
-Run as a script it is that process: ``python -m benchmarks.interfaces.fresh_process 500`` runs so
-many of the paper's experiments in slices, as ``python -m baselines reproduce`` does, and prints its
-peak memory [MiB].
+As a script it is that process: ``python -m benchmarks.interfaces.fresh_process 500`` prints the
+peak memory [MiB] of 500 of the paper's experiments. They run in slices, as in ``python -m baselines
+reproduce``.
 """
 
 import os
@@ -20,7 +20,8 @@ start = time.perf_counter()
 import hav_env
 print(time.perf_counter() - start, *(name for name in sys.argv[1:] if name in sys.modules))
 """
-HEAVY = ("torch", "pygame", "matplotlib")  # what hav_env must not load before it is needed
+# packages that hav_env must not load before it needs them
+HEAVY = ("torch", "pygame", "matplotlib")
 
 
 def start_seconds() -> tuple[float, float]:
@@ -38,7 +39,7 @@ def start_seconds() -> tuple[float, float]:
 
 
 def import_hav_env() -> tuple[float, list[str]]:
-    """Return how long [s] a fresh process imports hav_env, and what of ``HEAVY`` comes with it."""
+    """Return a fresh process's import time [s] of hav_env, and the loaded packages of ``HEAVY``."""
     command = [sys.executable, "-c", _IMPORT, *HEAVY]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     seconds, *loaded = done.stdout.split()
@@ -46,7 +47,7 @@ def import_hav_env() -> tuple[float, list[str]]:
 
 
 def import_seconds(repetitions: int = 5) -> tuple[float, list[str]]:
-    """Return the median of so many imports, and what of ``HEAVY`` any of them has loaded."""
+    """Return the median of several imports, and the packages of ``HEAVY`` that they loaded."""
     seconds, loaded = zip(*(import_hav_env() for _ in range(repetitions)), strict=True)
     return statistics.median(seconds), sorted(set().union(*loaded))
 
@@ -64,7 +65,7 @@ def _run(num_experiments: int, **environment: str) -> str:
 
 
 def _main(num_experiments: int) -> None:
-    import resource  # noqa: PLC0415  (not on Windows, where nobody calls this)
+    import resource  # noqa: PLC0415  (not on Windows, where it is never called)
 
     import numpy as np  # noqa: PLC0415  (here, so that the parent's import stays free of it)
 

@@ -2,8 +2,8 @@
 
 ``python -m benchmarks.interfaces.peers`` prints the table. The actions are random. The peers are
 optional: ``pip install 'mpe2>=1.1' 'vmas>=1.5'`` brings them, and the table leaves out missing
-ones. (mpe2 before 1.1 wants ``pygame``, which cannot live beside ``pygame-ce``.) Their tasks differ
-from this project's and from each other, so the figures tell orders of magnitude and no more.
+ones. mpe2 before 1.1 needs ``pygame``, which conflicts with ``pygame-ce``. Their tasks differ from
+this project's and from each other, so the figures show orders of magnitude only.
 """
 
 import functools
@@ -27,11 +27,11 @@ _SCENARIOS = ("navigation", "simple_spread", "kinematic_bicycle")
 
 
 class Peer(NamedTuple):
-    """A task of another simulator, and how it is run."""
+    """A task of another simulator, and its settings."""
 
     task: str
     num_envs: int = 1
-    threads: int | None = None  # None: it knows no threads
+    threads: int | None = None  # None: it has no threads
 
     def __str__(self) -> str:
         """Return the name of its row."""
@@ -51,14 +51,14 @@ def missing_packages() -> list[str]:
 
 
 def prepare_mpe() -> Run:
-    """Return what runs MPE's simple_spread, one environment; resets included."""
+    """Return a loop over MPE's simple_spread, one environment, with resets."""
     from mpe2 import simple_spread_v3  # noqa: PLC0415  (optional)
 
     return prepare_parallel(simple_spread_v3.parallel_env(N=NUM_AGENTS))
 
 
 def prepare_vmas(scenario: str, num_envs: int, threads: int) -> Run:
-    """Return what runs a scenario of VMAS on the CPU, resets included; it warms up here."""
+    """Return a loop over a VMAS scenario on the CPU, with resets; it warms up here."""
     import torch  # noqa: PLC0415  (optional)
     import vmas  # noqa: PLC0415
 
@@ -89,7 +89,7 @@ def prepare_vmas(scenario: str, num_envs: int, threads: int) -> Run:
 
 
 def prepare_peers(num_envs: Iterable[int] = _NUM_ENVS) -> dict[Peer, Run]:
-    """Return what runs each of the peers that are installed, VMAS with so many environments."""
+    """Return the loop of each installed peer, VMAS with so many environments."""
     runs: dict[Peer, Run] = {}
     missing = missing_packages()
     if "mpe2" not in missing:
@@ -107,19 +107,19 @@ def peer_rates(repetitions: int = 3, seconds: float = 1.0) -> dict[str, float]:
     """Return agent-steps/s of every row, medians; rows take turns.
 
     Args:
-        repetitions: of every measurement.
-        seconds: that one measurement takes.
+        repetitions: Repetitions of every measurement.
+        seconds: Duration of one measurement [s].
     """
     runs = {str(peer): functools.partial(run, seconds) for peer, run in prepare_peers().items()}
     return medians_in_turns(runs, repetitions)
 
 
 def main(repetitions: int = 3, seconds: float = 1.0) -> None:
-    """Measure the peers that are installed.
+    """Measure the installed peers.
 
     Args:
-        repetitions: of every measurement; the table shows medians.
-        seconds: that one measurement takes.
+        repetitions: Repetitions of every measurement; the table shows medians.
+        seconds: Duration of one measurement [s].
     """
     title = f"peers on their own tasks, {NUM_AGENTS} agents, random actions"
     table = new_table(title, "what", "agent-steps/s")

@@ -1,1 +1,1 @@
-"""This package measures programs that do the same work by other means, to compare with."""
+"""This package measures programs that do the same work by other means, for comparison."""

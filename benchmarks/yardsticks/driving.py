@@ -1,9 +1,9 @@
 """This module has two yardsticks: the compiled step of one HAV in plain Python and in NumPy.
 
-Both drive one HAV with five trailers by AVOID-JACK from goal to goal: the goal's side by the
-shortest of six Dubins words, jackknife weights, one Euler step, tests for a jackknife and for the
-goal. They do what one would write without a compiler, and less than hav_env does, which also keeps
-records (close misses, largest articulation, driven path).
+Both drive one HAV with five trailers by AVOID-JACK from goal to goal. They select the goal's side
+by the shortest of six Dubins words, sum jackknife weights, make one Euler step, and test for a
+jackknife and for the goal. They compute what a typical program without a compiler would, and less
+than hav_env, which also keeps records (close misses, largest articulation, driven path).
 """
 
 from benchmarks.yardsticks.five_trailers import POLICY, SCENARIO, TASK, VEHICLE, Outcome
@@ -17,7 +17,7 @@ __all__ = ["check", "drive_compiled", "drive_plain_python", "drive_small_arrays"
 
 
 def drive_compiled(num_steps: int, policy=POLICY, scenario=SCENARIO, vehicle=VEHICLE) -> Outcome:
-    """Drive by hav_env, step by step from Python; needs more than the goals take."""
+    """Drive by hav_env, step by step from Python, up to more steps than the goals need."""
     batch = Batch(scenario, task=TASK, vehicle=vehicle)
     batch.reset(seed=0)
     memory = allocate_memory(policy, 1, 1)
@@ -34,14 +34,14 @@ def drive_compiled(num_steps: int, policy=POLICY, scenario=SCENARIO, vehicle=VEH
 
 
 def check(num_steps: int = 1_200, tolerance: float = 1e-9) -> None:
-    """Check that both yardsticks do what hav_env does.
+    """Check that both yardsticks reproduce hav_env.
 
     Args:
-        num_steps: to drive; the default passes the first goal.
-        tolerance: for positions [m] and headings [rad], which differ by rounding.
+        num_steps: Number of steps; the default passes the first goal.
+        tolerance: Tolerance of positions [m] and headings [rad], which differ by rounding.
 
     Raises:
-        AssertionError: naming the yardstick and how far it is off.
+        AssertionError: If a yardstick deviates; the message names it and the deviation.
     """
     compiled = drive_compiled(num_steps)
     for drive in (drive_plain_python, drive_small_arrays):

@@ -10,12 +10,12 @@ from hav_env.vehicles import move
 from hav_env.world.lanes import LANES
 
 _DT = 0.2  # [s]
-_BLOCKS = 16  # of worlds, sorted by trailers, one after the other as in a rollout
+_BLOCKS = 16  # blocks of worlds, sorted by trailers, one after another as in a rollout
 
 
 @entry
 def drive_straight_on(first, last, vehicle, num_steps, worlds):
-    """Move the HAV of every lane by so many steps."""
+    """Move the HAV of every lane by a number of steps."""
     for _ in range(first, last):
         for _ in range(num_steps):
             move(vehicle, _DT, worlds, 0)
@@ -25,8 +25,8 @@ def kinematics_rate(trailers: int | None, num_steps: int = 2_000) -> float:
     """Return HAV-steps/s of single HAVs on one thread.
 
     Args:
-        trailers: of every HAV; None for the paper's mix.
-        num_steps: to drive each block of worlds.
+        trailers: Trailers of every HAV; None for the paper's mix.
+        num_steps: Steps of each block of worlds.
     """
     fixed = {} if trailers is None else {"min_trailers": trailers, "max_trailers": trailers}
     batch = Batch(RandomPoses(fleet=RandomFleet(**fixed)), LANES * _BLOCKS)

@@ -1,8 +1,8 @@
 """This module measures the limit of the hardware: the closed loop of one HAV in C++.
 
-``python -m benchmarks.yardsticks.limit`` builds ``limit.cpp``, checks it and prints how fast it
-runs on one thread. It is a yardstick for the compiled simulator: the speed of a program that
-simulates this problem alone.
+``python -m benchmarks.yardsticks.limit`` builds ``limit.cpp``, checks it and prints its speed on
+one thread. It is a yardstick for the compiled simulator: the speed of a program that simulates this
+problem alone.
 """
 
 import functools
@@ -37,16 +37,16 @@ from benchmarks.yardsticks.plain_python import drive_plain_python
 from hav_env import OnAxle, explicit
 
 _SOURCE = pathlib.Path(__file__).with_name("limit.cpp")
-# Fast mathematics is fair here: it contracts and reorders, and ``check`` holds the results.
+# Fast mathematics is fair here: it contracts and reorders, and ``check`` verifies the results.
 _FLAGS = ["-std=c++17", "-O3", "-march=native", "-ffast-math", "-Wno-psabi"]
-_WIDE = ["-mprefer-vector-width=512"]  # compilers prefer 256 bits where there are 512
+_WIDE = ["-mprefer-vector-width=512"]  # compilers prefer 256 bits on machines with 512
 _BLOCKS = 64  # of 128 worlds each: the paper's mix by its quantiles
 _STEPS = {"closed loop": 500, "kinematics alone": 2_000}
 WHAT = tuple(_STEPS)
 
 
 class Rules(NamedTuple):
-    """By which rules the HAV drives: what differs between the yardsticks and the defaults."""
+    """Rules of the drive that differ between the yardsticks and the defaults."""
 
     steering_max: float = math.radians(40.0)
     close_factor: float = AvoidJack().close_factor
@@ -54,7 +54,7 @@ class Rules(NamedTuple):
 
 
 def find_compiler() -> str | None:
-    """Return the C++ compiler: $CXX, else the first one that is there, else None."""
+    """Return the C++ compiler: $CXX, else the first installed one, else None."""
     for name in (os.environ.get("CXX"), "g++", "clang++", "c++"):
         if name and shutil.which(name):
             return name
@@ -85,15 +85,15 @@ def drive_limit(program: str, num_steps: int, rules: Rules) -> Outcome:
 
 
 def check(program: str, num_steps: int = 1_200, tolerance: float = 1e-9) -> None:
-    """Check that the program does what the plain Python yardstick and hav_env's defaults do.
+    """Check that the program reproduces the plain Python yardstick and hav_env's defaults.
 
     Args:
-        program: from ``build``.
-        num_steps: to drive; the default passes the first goal.
-        tolerance: for positions [m] and headings [rad], which differ by rounding.
+        program: Program from ``build``.
+        num_steps: Number of steps; the default passes the first goal.
+        tolerance: Tolerance of positions [m] and headings [rad], which differ by rounding.
 
     Raises:
-        AssertionError: telling how far the program is off.
+        AssertionError: If the program deviates; the message states the deviation.
     """
     pinned = Rules(STEERING_MAX, POLICY.close_factor, VEHICLE.simultaneous)
     plain = drive_plain_python(num_steps)
@@ -111,9 +111,9 @@ def rate(program: str, what: str, trailers: int | None) -> float:
     """Return HAV-steps/s.
 
     Args:
-        program: from ``build``.
-        what: one of ``WHAT``.
-        trailers: of every HAV, 1 to 10; None for the paper's mix.
+        program: Program from ``build``.
+        what: One of ``WHAT``.
+        trailers: Trailers of every HAV, 1 to 10; None for the paper's mix.
     """
     sizes = trailers or 0, _BLOCKS, _STEPS[what], WHAT.index(what)
     return json.loads(_run(program, "measure", *(str(size) for size in sizes)))["rate"]
@@ -127,7 +127,7 @@ def _run(program: str, *arguments: str, text: str = "") -> str:
 
 
 def _distance(one: Outcome, other: Outcome) -> float:
-    """Return the largest difference in position [m] or heading [rad], whole turns aside."""
+    """Return the largest difference in position [m] or heading [rad], up to whole turns."""
     turns = [
         math.remainder(a - b, math.tau) for a, b in zip(one.headings, other.headings, strict=True)
     ]
@@ -138,7 +138,7 @@ def main(repetitions: int = 3) -> None:
     """Measure the limit of the hardware.
 
     Args:
-        repetitions: of every measurement; the table shows medians.
+        repetitions: Repetitions of every measurement; the table shows medians.
     """
     console = Console(width=100)
     table = Table(title="limit of the hardware, C++ on one thread, HAV-steps/s")

@@ -17,7 +17,7 @@ from benchmarks.yardsticks.five_trailers import (
 
 _TURN = 2.0 * math.pi
 _INFEASIBLE = (math.inf, 0.0, 0.0)
-_ROUNDING = 1e-12  # what rounding leaves of a zero angle [rad] or tangent [radii]
+_ROUNDING = 1e-12  # rounding error of a zero angle [rad] or tangent [radii]
 
 
 def drive_plain_python(num_steps: int) -> Outcome:
@@ -97,7 +97,7 @@ def shortest_path(x, y, heading):
 
 
 def outer_tangent(across_x, across_y, heading):
-    """Return the segments of LSL; RSR is its mirror image. So with the others."""
+    """Return the segments of LSL; RSR is its mirror image. The same holds for the other words."""
     straight = math.hypot(across_x, across_y)
     if straight < _ROUNDING:
         return turn_angle(heading), 0.0, 0.0
@@ -126,7 +126,7 @@ def third_circle(across_x, across_y, heading):
 
 
 def turn_angle(angle):
-    """Return the angle [rad] in [0, 2 pi); almost a turn is none."""
+    """Return the angle [rad] in [0, 2 pi); an angle slightly below a turn becomes 0."""
     angle %= _TURN
     return 0.0 if angle > _TURN - _ROUNDING else angle
 

@@ -19,7 +19,7 @@ from benchmarks.yardsticks.five_trailers import (
 )
 
 _TURN = 2.0 * np.pi
-_ROUNDING = 1e-12  # what rounding leaves of a zero angle [rad] or tangent [radii]
+_ROUNDING = 1e-12  # rounding error of a zero angle [rad] or tangent [radii]
 _TRUCK, _TRAILERS = LENGTHS[0], np.array(LENGTHS[1:])
 # The words LSL, RSR, LSR, RSL, RLR, LRL: the side on which each starts, the turns that follow.
 _SIDE = np.array([1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
@@ -112,7 +112,7 @@ def dubins_words(x, y, heading):
 
 
 def turn_angle(angle):
-    """Return the angles [rad] in [0, 2 pi); almost a turn is none."""
+    """Return the angles [rad] in [0, 2 pi); an angle slightly below a turn becomes 0."""
     angle = angle % _TURN
     return np.where(angle > _TURN - _ROUNDING, 0.0, angle)
 

@@ -1,1 +1,1 @@
-"""This package holds the commands ``python -m hav_env play | compile | site`` and their options."""
+"""This package holds the menu ``hav-env``, the commands of the simulator and their options."""

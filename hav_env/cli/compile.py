@@ -1,6 +1,6 @@
 """This module compiles ahead of time: it runs every policy, scenario and environment for a step.
 
-The disk keeps compiled code, so that later runs start at once.
+The cache on disk keeps the compiled code, so that later runs start at once.
 """
 
 import concurrent.futures
@@ -10,6 +10,8 @@ import multiprocessing
 import time
 from collections.abc import Callable
 
+from hav_env.cli.errors import report_errors
+from hav_env.cli.options import parse_options
 from hav_env.compiled import default_threads
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Threads
@@ -17,21 +19,30 @@ from hav_env.policies.names import POLICIES
 from hav_env.scenarios.presets import FIELDS, SCENARIOS, SITES
 
 
+def main(words: list[str]) -> int:
+    """Compile policies, scenarios and environments ahead of time."""
+
+    def run(words: list[str]) -> None:
+        compile_all(parse_options(Compile, "hav-env compile", main.__doc__ or "", words))
+
+    return report_errors(run, words)
+
+
 @dataclasses.dataclass
 class Compile:
-    """The options of compiling ahead of time."""
+    """Options of ``hav-env compile``."""
 
     policies: tuple[str, ...] = ()
-    """Names, files, or module:Class; by default all that have a name."""
+    """Policies: names (hav-env list policies), files, or module:Class; by default all names."""
     processes: int | None = None
-    """Number of processes that compile at a time; by default HAV_THREADS or all cores."""
+    """Number of processes that compile in parallel; by default HAV_THREADS or all cores."""
 
 
 def compile_all(options: Compile) -> None:
-    """Compile everything for which there is no compiled code yet, and say what took how long.
+    """Compile everything that the cache does not hold yet, and print the time of each part.
 
     Raises:
-        ValueError, TypeError: when there is no such policy, or ``processes`` is not allowed.
+        ValueError, TypeError: If there is no such policy, or ``processes`` is invalid.
     """
     check_value("processes", Threads | None, options.processes)
     for name in options.policies:
@@ -53,8 +64,8 @@ def compile_all(options: Compile) -> None:
 
 
 def compile_policy(name: str) -> float:
-    """Compile a policy for rollouts and for environments; return how long it took [s]."""
-    # a process that compiles something else does without tables
+    """Compile a policy for rollouts and for environments; return the time [s]."""
+    # other processes do not need tables
     import numpy as np  # noqa: PLC0415
 
     from hav_env.evaluation.rollout import rollout  # noqa: PLC0415
@@ -72,7 +83,7 @@ def compile_policy(name: str) -> float:
 
 
 def compile_scenarios() -> float:
-    """Compile the beginning of episodes for every class of scenarios; return the time [s]."""
+    """Compile the resets of every class of scenarios; return the time [s]."""
     from hav_env.simulator.batch import Batch  # noqa: PLC0415
     from hav_env.vehicles import VEHICLES  # noqa: PLC0415
 
@@ -86,7 +97,7 @@ def compile_scenarios() -> float:
 
 
 def compile_environments() -> float:
-    """Compile what all environments step and observe with; return how long it took [s]."""
+    """Compile the steps and observations of all environments; return the time [s]."""
     import gymnasium  # noqa: PLC0415
 
     begun = time.monotonic()

@@ -1,12 +1,13 @@
 """This module runs commands, reports errors in one line, and returns the exit code."""
 
+import os
 import sys
 from collections.abc import Callable
 
 from hav_env.models.text import one_line
 
 FAILURES = (ValueError, TypeError, OSError, ImportError, MemoryError)
-"""The errors of wrong options, files and machines; any other is a defect and keeps its trace."""
+"""Errors of options, files and machines; any other error is a defect and keeps its traceback."""
 
 
 def report_errors(
@@ -15,17 +16,23 @@ def report_errors(
     """Run a command, and report an error in one line.
 
     Args:
-        run: takes the words of the command line.
-        words: of the command line, by default the process's.
-        interrupted: message after Ctrl-C; none by default.
+        run: Function of the words of the command line.
+        words: Words of the command line, by default those of the process.
+        interrupted: Message after Ctrl-C; none by default.
 
     Returns:
-        The exit code: 0, 2 when something is wrong, 130 when interrupted.
+        The exit code: 0, 2 after an error, 130 after Ctrl-C.
     """
     try:
         run(sys.argv[1:] if words is None else words)
+    except BrokenPipeError:  # the reader of the pipe has closed it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except FAILURES as error:
-        print(f"error: {one_line(str(error) or type(error).__name__)}", file=sys.stderr)
+        told = str(error) or type(error).__name__
+        if isinstance(error, FileNotFoundError) and error.filename is not None:
+            told = f"there is no file or folder {os.fspath(error.filename)!r}"
+        print(f"error: {one_line(told)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         if interrupted:

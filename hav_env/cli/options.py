@@ -1,15 +1,22 @@
-"""This module reads options from a command line by tyro, and reports mistakes in one line."""
+"""This module reads the options of a command line by tyro, and reports mistakes in one line."""
 
 import contextlib
 import io
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
 from typing import TypeVar
 
-import tyro
-
 from hav_env.cli.errors import report_errors
+from hav_env.cli.help_text import plain_help
+from hav_env.cli.mistakes import explain_mistake
 
 Options = TypeVar("Options")
+
+
+class _Text(io.StringIO):
+    """Text of tyro, which draws boxes if the encoding has their characters."""
+
+    encoding = "utf-8"  # type: ignore[assignment]
 
 
 def parse_options(
@@ -18,36 +25,63 @@ def parse_options(
     description: str,
     arguments: list[str],
     default: Options | None = None,
+    names: Mapping[str, str] | None = None,
 ) -> Options:
-    """Return the options that a command line gives.
+    """Return the options of a command line.
 
     Args:
-        options_class: a dataclass or NamedTuple; its fields become the options.
-        program: name of the program, for the help.
-        description: purpose of the program, for the help.
-        arguments: the words of the command line.
-        default: the options without any arguments.
+        options_class: A dataclass or NamedTuple; its fields become the options.
+        program: Name of the program, for the help.
+        description: Purpose of the program, for the help.
+        arguments: The words of the command line.
+        default: The options without any arguments.
+        names: The names that each argument takes, for the help.
 
     Raises:
-        ValueError: when the arguments are wrong, saying how in one line.
-        SystemExit: after tyro has printed the help.
+        ValueError: If an argument is invalid; the message has one line.
+        SystemExit: After it has printed the help.
     """
-    complaint = io.StringIO()
+    made, said, shown = _run_tyro(options_class, program, description, arguments, default)
+    if made is not None:
+        return made
+    if shown:
+        print(plain_help(shown, program, description, names or {}))
+        raise SystemExit(0)
+
+    def find_options() -> dict[str, str]:
+        _, _, told = _run_tyro(options_class, program, description, ["--help"], default)
+        found = re.findall(r"^│ (--[\w.-]+)(?:, --[\w.-]+)*(?: (\S+))?", told, re.MULTILINE)
+        return dict(found)
+
+    raise ValueError(explain_mistake(said, arguments, find_options))
+
+
+def _run_tyro(
+    options_class: type[Options],
+    program: str,
+    description: str,
+    arguments: list[str],
+    default: Options | None,
+) -> tuple[Options | None, str, str]:
+    """Return the options of tyro, None if it exits; its error message and its help."""
+    # the import of tyro is slow
+    import tyro  # noqa: PLC0415
+
+    said, shown = _Text(), _Text()
     try:
-        with contextlib.redirect_stderr(complaint):
-            return tyro.cli(
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(shown):
+            made = tyro.cli(
                 options_class,
-                prog=program,
+                prog=program.split(" [", maxsplit=1)[0],
                 description=description,
                 args=arguments,
                 default=tyro.MISSING_NONPROP if default is None else default,
-                # the fields of a part of a model (bodies, a fleet) are options of the kind at hand
+                # parts of a model (bodies, a fleet) have options of their class, no subcommands
                 config=(tyro.conf.AvoidSubcommands,),
             )
     except SystemExit as stop:
-        if not stop.code:
-            raise
-        raise ValueError(_one_line(complaint.getvalue())) from None
+        return None, said.getvalue(), "" if stop.code else shown.getvalue()
+    return made, "", ""
 
 
 def run_command(
@@ -57,39 +91,24 @@ def run_command(
     run: Callable[[Options], str],
     words: list[str] | None = None,
     interrupted: str = "the same command goes on where this one stopped",
+    names: Mapping[str, str] | None = None,
 ) -> int:
     """Run a command and print its result, or report an error in one line.
 
     Args:
-        program: name of the program, for the help.
-        description: purpose of the program, for the help.
-        default: the options without any arguments.
-        run: takes the options.
-        words: of the command line, by default the process's.
-        interrupted: message after Ctrl-C.
+        program: Name of the program, for the help.
+        description: Purpose of the program, for the help.
+        default: The options without any arguments.
+        run: Function of the options.
+        words: Words of the command line, by default those of the process.
+        interrupted: Message after Ctrl-C.
+        names: The names that each argument takes, for the help.
 
     Returns:
-        The exit code: 0, 2 when something is wrong, 130 when interrupted.
+        The exit code: 0, 2 after an error, 130 after Ctrl-C.
     """
 
     def whole(words: list[str]) -> None:
-        print(run(parse_options(type(default), program, description, words, default)))
+        print(run(parse_options(type(default), program, description, words, default, names)))
 
     return report_errors(whole, words, interrupted)
-
-
-def _one_line(text: str) -> str:
-    """Return what tyro says in its box, below the title and above the next rule.
-
-    The title stands in the upper edge, or on a line of its own where boxes cannot be drawn.
-    """
-    sections: list[list[str]] = [[]]
-    for line in text.splitlines():
-        words = line.strip("│╭╮╰╯─-| ")
-        if words and not line.startswith("╭"):
-            sections[-1].append(words)
-        elif not words and line.strip():
-            sections.append([])
-    told = [" ".join(section) for section in sections if section]
-    told = told[0 if text.lstrip().startswith("╭") else 1 :]
-    return told[0] if told else "cannot read the options"

@@ -1,7 +1,7 @@
 """This module lets you drive one HAV by keyboard among others that a policy drives.
 
 Keys: up and down (W and S) change the speed, left and right (A and D) steer, R begins a new
-episode, escape ends. Those of the window are in ``hav_env.rendering.viewer``.
+episode, escape ends. ``hav_env.rendering.viewer`` has the keys of the window.
 """
 
 import dataclasses
@@ -10,34 +10,60 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hav_env.cli.errors import report_errors
+from hav_env.cli.options import parse_options
+
+
+def main(words: list[str]) -> int:
+    """Drive one HAV by keyboard among others that a policy drives."""
+
+    def run(words: list[str]) -> None:
+        play(parse_options(Play, "hav-env play", _ABOUT_PLAY, words))
+
+    return report_errors(run, words)
+
 
 @dataclasses.dataclass
 class Play:
-    """The options of a game."""
+    """Options of ``hav-env play``."""
 
     num_havs: int | None = None
-    """HAVs, of which you drive one; by default as many as the scenario has, or 4."""
+    """Number of HAVs, one of which you drive; by default that of the scenario, or 4."""
     scenario: str | None = None
-    """A scenario by its name, or FILE.json; by default random poses."""
+    """Scenario: its name, or FILE.json; by default random poses."""
+    site: str | None = None
+    """File with the obstacles and the bounds of the scenario."""
     seed: int = 0
-    """Seed of the first episode; each new one takes the next."""
+    """Seed of the first episode; each new episode takes the next seed."""
     others: str = "avoid_jack"
-    """The policy that drives the others, by its name."""
+    """Policy of the other HAVs: a name, a file or module:Class."""
     vehicle: str = "on_axle"
-    """The kinematics of all HAVs, by name or module:Class."""
+    """Kinematics of all HAVs: a name or module:Class."""
     reward: str = "default"
-    """The reward, by name or module:Class."""
+    """Reward: a name or module:Class."""
 
 
 class Controls(NamedTuple):
-    """Changes of the action per frame while a key is held; the whole range is 2."""
+    """Changes of the action per frame while a key is held; the range of an action is 2."""
 
     throttle: float = 0.08
     steer: float = 0.12
     release: float = 0.2
 
 
-_HAVS = 4  # where neither a number nor a scenario is given
+_ABOUT_PLAY = (
+    "Drive one HAV by keyboard among others that a policy drives. The window shows the keys."
+    " hav-env list shows the names of scenarios, policies, vehicles and rewards."
+)
+PLAY_KEYS = (
+    "up, down or W, S: speed",
+    "left, right or A, D: steering",
+    "R: new episode    Esc: end",
+    "F: follow    + -: zoom    space: pause",
+    "T: trails    C: circles    H: hide this",
+)
+"""Keys, as the window shows them."""
+_HAVS = 4  # the default without a number and a scenario
 STANDING_ACTION = (
     -1.0,
     0.0,
@@ -47,14 +73,14 @@ STANDING_ACTION = (
 def next_action(
     held: frozenset[str], action: np.ndarray, controls: Controls = Controls()
 ) -> np.ndarray:
-    """Return the action that follows another one while keys are held.
+    """Return the next action while keys are held.
 
     The speed stays when neither key is held; the steering returns to the middle.
 
     Args:
-        held: the held keys, of "faster", "slower", "left", "right".
-        action: (2,) the previous one: speed and steering, each in [-1, 1].
-        controls: how quickly it changes.
+        held: The held keys, of "faster", "slower", "left", "right".
+        action: (2,) The previous action: speed and steering, each in [-1, 1].
+        controls: Changes of the action per frame.
     """
     speed, steering = (float(value) for value in action)
     speed += controls.throttle * (("faster" in held) - ("slower" in held))
@@ -75,20 +101,20 @@ def drive(
 ) -> int:
     """Drive an environment of one HAV as long as there are frames, or until "quit" is held.
 
-    After the end of an episode the picture stands until "again" is held.
+    After the end of an episode, the window keeps its picture until "again" is held.
 
     Args:
-        env: with ``reset(seed=)``, ``step(action)`` and ``render()`` as Gymnasium's for humans:
-            the first two show a frame by themselves.
-        held_in_frames: the held keys of each frame: see ``next_action``; and "again", "quit".
-        seed: of the first episode; each new one takes the next, after the last one 0.
-        controls: how quickly the action changes.
-        tell: function that takes how each episode ended.
+        env: An environment of Gymnasium with ``render_mode="human"``: ``reset(seed=)`` and
+            ``step(action)`` show a frame by themselves.
+        held_in_frames: The held keys of each frame: those of ``next_action``, "again" and "quit".
+        seed: Seed of the first episode; each new episode takes the next seed. 0 follows the last.
+        controls: Changes of the action per frame.
+        tell: Function that takes the outcome of each episode as text.
 
     Returns:
-        How many episodes were begun.
+        The number of episodes.
     """
-    from hav_env.maths.random_numbers import SEED_LIMIT  # noqa: PLC0415  takes the compiler's time
+    from hav_env.maths.random_numbers import SEED_LIMIT  # noqa: PLC0415  loads the compiler
 
     episodes, running, before = 0, False, frozenset({"again"})
     action = np.array(STANDING_ACTION, np.float32)
@@ -111,8 +137,8 @@ def drive(
 
 
 def _outcome(info: dict[str, Any]) -> str:
-    """Say in a few words how an episode ended."""
-    from hav_env.world.event_table import HARM  # noqa: PLC0415  takes the compiler's time
+    """Return the outcome of an episode in a few words."""
+    from hav_env.world.event_table import HARM  # noqa: PLC0415  loads the compiler
 
     flags = {"is_success": "goals reached", **{event.name: event.state for event in HARM}}
     told = [text for flag, text in flags.items() if info.get(flag)]
@@ -120,14 +146,14 @@ def _outcome(info: dict[str, Any]) -> str:
 
 
 def watch_keyboard() -> Iterator[frozenset[str]]:
-    """Yield what is held in each frame, as long as there is a window.
+    """Yield the held keys of each frame, as long as there is a window.
 
-    The window opens when the first frame is rendered, and the viewer takes in its events.
+    The first rendered frame opens the window, and the viewer handles its events.
 
     Raises:
-        ImportError: without pygame-ce.
+        ImportError: If pygame-ce is missing.
     """
-    from hav_env.rendering.canvas import pygame  # noqa: PLC0415  says what is missing
+    from hav_env.rendering.canvas import pygame  # noqa: PLC0415  names a missing extra
 
     meanings = {
         "faster": (pygame.K_UP, pygame.K_w),
@@ -144,18 +170,19 @@ def watch_keyboard() -> Iterator[frozenset[str]]:
 
 
 def open_environment(options: Play, render_mode: str | None = "human") -> Any:
-    """Return the environment that is played; its window opens when it is first rendered.
+    """Return the environment of the game; the first frame opens its window.
 
     Raises:
-        ValueError, TypeError, OSError: for options that are not allowed, naming them.
+        ValueError, TypeError, OSError: If an option is invalid; the message names it.
     """
-    # these need the simulator, the keyboard does not
+    # these load the simulator, which the keyboard does not need
     from hav_env.envs.gymnasium_single import HAVSingleEnv  # noqa: PLC0415
     from hav_env.simulator.batch import check_seed  # noqa: PLC0415
 
     check_seed(options.seed)
     chosen: dict[str, Any] = {
         "num_havs": options.num_havs,
+        "site": options.site,
         "vehicle": options.vehicle,
         "reward": options.reward,
     }
@@ -163,11 +190,14 @@ def open_environment(options: Play, render_mode: str | None = "human") -> Any:
         chosen["scenario"] = options.scenario
     elif options.num_havs is None:
         chosen["num_havs"] = _HAVS
-    return HAVSingleEnv(others=options.others, render_mode=render_mode, **chosen)
+    env = HAVSingleEnv(others=options.others, render_mode=render_mode, **chosen)
+    screen = env._world.screen
+    screen.caption, screen.own = PLAY_KEYS, 0
+    return env
 
 
 def _compile(options: Play) -> None:
-    """Take one step without a window, so that compiling does not keep a window from answering."""
+    """Take one step without a window, so that no window freezes during compilation."""
     env = open_environment(options, None)
     env.reset(seed=options.seed)
     env.step(np.array(STANDING_ACTION, np.float32))
@@ -175,7 +205,7 @@ def _compile(options: Play) -> None:
 
 
 def play(options: Play) -> None:
-    """Open a window and let the user drive until it is closed."""
+    """Open a window and let the user drive until the user closes it."""
     env = open_environment(options)
     try:
         _compile(options)

@@ -1,4 +1,4 @@
-"""This module describes a site in a file, for ``python -m hav_env site``, and draws it."""
+"""This module describes and draws the site in a file, for ``hav-env site``."""
 
 import dataclasses
 import pathlib
@@ -6,32 +6,49 @@ from typing import Annotated
 
 import tyro
 
+from hav_env.cli.errors import report_errors
+from hav_env.cli.options import parse_options
 from hav_env.places import BOUNDARY, LINE, POLYGON, Site, load_site
 from hav_env.places.areas import covered_area, free_area
 from hav_env.places.loading import Unknown
 
+_ABOUT_SITE = (
+    "Describe a file of a site, and draw it: JSON, GeoJSON, WKT, a map of ROS (yaml), or"
+    " CommonRoad (xml)."
+)
+
+
+def main(words: list[str]) -> int:
+    """Describe a file of a site, and draw it."""
+
+    def run(words: list[str]) -> None:
+        describe_site(parse_options(DescribeSite, "hav-env site FILE", _ABOUT_SITE, words))
+
+    return report_errors(run, words)
+
 
 @dataclasses.dataclass
 class DescribeSite:
-    """The options of the description of a site."""
+    """Options of ``hav-env site``."""
 
     file: Annotated[str, tyro.conf.Positional]
-    """A site: JSON, GeoJSON, WKT, a map of ROS (yaml), or CommonRoad (xml)."""
+    """Site: JSON, GeoJSON, WKT, a map of ROS (yaml), or CommonRoad (xml)."""
     draw: str | None = None
-    """A picture of it, FILE.png."""
+    """Picture of the site, FILE.png."""
     tolerance: float | None = None
-    """How far outlines may be from those in the file, to leave out points [m]."""
+    """Largest distance of simplified outlines from those in the file [m]."""
     unknown: Unknown = "free"
     """Meaning of unknown cells of maps of ROS: free, or occupied."""
 
 
 def describe_site(options: DescribeSite) -> None:
-    """Print what a file holds, and draw it.
+    """Print the content of a file, and draw it.
 
     Raises:
-        ValueError: when the file is wrong, naming the entry, or the picture has another ending.
-        OSError: when a file cannot be read or written.
-        ImportError: when an extra is missing.
+        ValueError: If the file is invalid (the message names the entry), or the picture has
+            another suffix.
+        OSError: If a file cannot be read or written.
+        ImportError: If an extra is missing.
     """
     picture = None if options.draw is None else pathlib.Path(options.draw)
     if picture is not None and picture.suffix.lower() != ".png":
@@ -39,7 +56,7 @@ def describe_site(options: DescribeSite) -> None:
     site = load_site(options.file, tolerance=options.tolerance, unknown=options.unknown)
     print(summarize_site(site))
     if picture is not None:
-        # pygame takes its time, and is in an extra of its own
+        # pygame is slow to import, and an extra
         from hav_env.cli.site_picture import save_picture  # noqa: PLC0415
 
         save_picture(site, pathlib.Path(options.file).name, picture)
@@ -47,13 +64,13 @@ def describe_site(options: DescribeSite) -> None:
 
 
 def summarize_site(site: Site) -> str:
-    """Return what a site consists of, in a few lines.
+    """Return the content of a site as text, in a few lines.
 
     Args:
-        site: as ``load_site`` returns it.
+        site: A site, as from ``load_site``.
 
     Raises:
-        ImportError: without the extra ``maps``.
+        ImportError: If the extra ``maps`` is missing.
     """
     left, low, right, high = site.bounds
     free = free_area(site)

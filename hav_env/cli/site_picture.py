@@ -1,4 +1,4 @@
-"""This module draws a site without a window: what HAVs may not be on is dark."""
+"""This module draws a site without a window: forbidden areas are dark."""
 
 import pathlib
 from typing import Any
@@ -21,13 +21,13 @@ def save_picture(site: Site, name: str, path: pathlib.Path) -> None:
     """Write a picture of a site as PNG.
 
     Args:
-        site: with at least one segment.
-        name: of the site, to stand in the picture.
-        path: of the picture.
+        site: a site with at least one segment.
+        name: name of the site, shown in the picture.
+        path: path of the picture.
 
     Raises:
-        ImportError: without the extras ``maps`` and ``rendering``.
-        OSError: when the picture cannot be written.
+        ImportError: If the extra ``maps`` or ``rendering`` is missing.
+        OSError: If the picture cannot be written.
     """
     import_maps("PIL.Image").fromarray(draw_site(site, name)).save(path)
 
@@ -36,11 +36,11 @@ def draw_site(site: Site, name: str) -> np.ndarray:
     """Return a picture of a site, (height, width, 3) uint8.
 
     Args:
-        site: with at least one segment.
-        name: of the site, to stand in the picture.
+        site: a site with at least one segment.
+        name: name of the site, shown in the picture.
 
     Raises:
-        ImportError: without the extras ``maps`` and ``rendering``.
+        ImportError: If the extra ``maps`` or ``rendering`` is missing.
     """
     low, high = np.array(site.bounds).reshape(2, 2)
     tall, wide = high[::-1] - low[::-1]
@@ -65,7 +65,7 @@ def draw_site(site: Site, name: str) -> np.ndarray:
 
 
 def _fill(canvas: Canvas, camera: Camera, area: Any, color: Color, beyond: Color) -> None:
-    """Fill an area, the largest polygons first: others may lie in their holes."""
+    """Fill an area, the largest polygons first: smaller ones may lie in their holes."""
     parts = [part for part in getattr(area, "geoms", [area]) if part.geom_type == "Polygon"]
     for part in sorted(parts, key=lambda part: -part.envelope.area):
         if part.is_empty:

@@ -1,8 +1,9 @@
-"""This package compiles the simulator, and alone imports Numba.
+"""This package compiles the simulator; it is the only package that imports Numba.
 
-Three tiers. A ``kernel`` is compiled into its callers: scalar (floats in, floats out) or a loop
-over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of a model. Python
-calls an ``entry``. Entries alone are cached on disk, and spread their worlds over threads.
+It has three tiers. A ``kernel`` is compiled into its callers: scalar (floats in, floats out) or a
+loop over the lanes of a block of worlds. A ``generic`` picks a kernel by the type of a model.
+Python calls an ``entry``. Only entries are cached on disk, and they spread their worlds over
+threads.
 """
 
 from hav_env.compiled.digests import Code, classes_in, digest_code

@@ -1,4 +1,4 @@
-"""This module chooses the folder of compiled code, to which nobody else can write."""
+"""This module chooses the folder of compiled code, to which no other user can write."""
 
 import functools
 import logging
@@ -15,14 +15,14 @@ _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 @functools.cache
 def find_home(wanted: str) -> pathlib.Path | None:
-    """Return the folder of the compile cache, made if there was none; None if there is no place.
+    """Return the folder of the compile cache, created if absent; None if no folder is usable.
 
-    The simulator loads its files as machine code. So anybody who can write to the folder runs code
-    as this user. The log names a folder that is unsafe or not writable, once.
+    The simulator loads its files as machine code. A user with write access to the folder could
+    therefore run code as this user. The log names an unsafe or unwritable folder once.
 
     Args:
-        wanted: the folder that the user wants, "" for ``~/.cache/hav_env``. After it comes one of
-            this user's own in the folder for temporary files.
+        wanted: Folder that the user wants, "" for ``~/.cache/hav_env``. The second choice is this
+            user's own folder among the temporary files.
     """
     refused = []
     for place in _places(wanted):
@@ -44,32 +44,32 @@ def find_home(wanted: str) -> pathlib.Path | None:
 
 
 def _places(wanted: str) -> Iterator:
-    """List what returns the folders that come into question, the first one first."""
+    """Yield functions that return the candidate folders, best one first."""
     if wanted:
         yield lambda: pathlib.Path(wanted).expanduser().absolute()
     else:
         yield lambda: pathlib.Path.home().absolute() / ".cache/hav_env"
-    # Windows has no user ids, and a folder for temporary files for each user
+    # Windows has no user ids, and each user has a folder for temporary files
     user = os.getuid() if hasattr(os, "getuid") else "cache"
     yield lambda: pathlib.Path(tempfile.gettempdir()).absolute() / f"hav_env-{user}"
 
 
 def _make(folder: pathlib.Path) -> None:
-    """Make a folder and those above it, for this user alone whatever the umask."""
+    """Make a folder and its parents, for this user alone, whatever the umask."""
     missing = [part for part in (folder, *folder.parents) if not part.exists()]
     for part in reversed(missing):
         part.mkdir(0o700, exist_ok=True)
 
 
 def _check(folder: pathlib.Path, private: bool) -> None:
-    """Check that nobody but this user and root can write to a folder, or put another in its place.
+    """Check that only this user and root can write to a folder or replace it.
 
     Args:
-        folder: absolute.
-        private: whether nobody else may read it either, nor may it be a link.
+        folder: Folder, an absolute path.
+        private: Whether other users must not read the folder either, and it must not be a link.
 
     Raises:
-        PermissionError: naming the folder and what is wrong with it.
+        PermissionError: If the folder is unsafe; the message names the folder and the problem.
     """
     if not hasattr(os, "getuid"):
         return
@@ -81,8 +81,8 @@ def _check(folder: pathlib.Path, private: bool) -> None:
         if stat.S_ISLNK(found.st_mode):
             if private and part == folder:
                 raise PermissionError(f"{part} is a link, but must be a folder")
-            continue  # the mode of a link says nothing
-        # in a sticky folder others can neither rename nor remove what is this user's
+            continue  # the mode of a link has no effect
+        # in a sticky folder, other users can neither rename nor remove this user's files
         sticky = found.st_mode & stat.S_ISVTX and part != real
         if found.st_mode & _OTHERS_WRITE and not sticky:
             raise PermissionError(f"{part} can be written to by other users")

@@ -10,16 +10,16 @@ class Whole(JITCodeLibrary):
     """Code for the widest vectors: LLVM would halve those of 512 bits."""
 
     def add_ir_module(self, ir_module):
-        """Add code of LLVM, and ask for vectors of 512 bits in its functions."""
+        """Add LLVM code, and request vectors of 512 bits in its functions."""
         for function in ir_module.functions:
             set.add(function.attributes, '"prefer-vector-width"="512"')
         super().add_ir_module(ir_module)
 
 
 class Part(Whole):
-    """The code of one kernel: linked into entries, and optimised and made executable there only.
+    """Code of one kernel; Numba links it into entries, and optimises and finishes it only there.
 
-    Numba would do both for every kernel, with all that it calls: five times the work.
+    By default, Numba would do both for every kernel with all its callees: five times the work.
     """
 
     def _optimize_final_module(self):
@@ -30,23 +30,23 @@ class Part(Whole):
         self._finalized = True
 
     def get_pointer_to_function(self, name):
-        """Return no address: the code is executable in entries only."""
+        """Return no address: the code is executable only in entries."""
         return 0
 
     @property
     def codegen(self):
-        """The library itself, in place of a generator of code."""
-        return self  # Numba asks it for ``set_env`` alone
+        """Return the library itself, in place of a code generator."""
+        return self  # Numba calls only its ``set_env``
 
     def set_env(self, name, environment):
-        """Do nothing: no code is loaded that could use an environment."""
+        """Do nothing: no loaded code could use an environment."""
 
 
 class RarePart(Part):
-    """The code of a kernel that is called: LLVM would put copies of it wherever it is."""
+    """Code of a kernel that is called, not inlined: LLVM would copy it to every caller."""
 
     def add_ir_module(self, ir_module):
-        """Add code of LLVM, and forbid copies of its functions inside their callers."""
+        """Add LLVM code, and forbid inlining of its functions."""
         for function in ir_module.functions:
             if not function.is_declaration:
                 set.add(function.attributes, "noinline")
@@ -54,14 +54,14 @@ class RarePart(Part):
 
 
 class LoopPart(RarePart):
-    """The code of the loop of an entry that hands on what is held."""
+    """Code of the loop of an entry that passes on ``Held`` arguments."""
 
 
 def compiler_into(library_class: type) -> type:
-    """Return Numba's compiler, but for where the code goes.
+    """Return Numba's compiler with another library for the generated code.
 
-    Arrays are taken to lie apart (``noalias``): no two arguments of a loop may overlap where one
-    is written. Otherwise every loop inside would begin by asking.
+    The compiler assumes that arrays do not overlap (``noalias``): no two arguments of a loop may
+    overlap if one is written. Otherwise every inner loop would begin with a test for overlap.
     """
 
     @register_pass(mutates_CFG=False, analysis_only=True)

@@ -1,8 +1,9 @@
 """This module digests all functions that compiled code, or a table of results, depends on.
 
-The digest covers bytecode, constants and the values of global names, function by function, wherever
-the code leads. It does not depend on comments, docstrings, line numbers or functions that the code
-does not reach. Of a generic kernel only the implementations for the models at hand count.
+The digest covers bytecode, constants and the values of global names, function by function, for all
+functions that the code reaches. It does not depend on comments, docstrings, line numbers or
+functions that the code does not reach. For a generic kernel, only the implementations for the given
+models count.
 """
 
 import functools
@@ -20,37 +21,37 @@ from hav_env.compiled.stable_text import name_of, stable_text
 from hav_env.models.annotations import is_model, values_of
 
 KERNELS: dict[Callable, str] = {}
-"""Options of each kernel; code that calls one is followed into it, wherever it is from."""
+"""Options of each kernel; the digest follows calls to kernels of every package."""
 
 _PROJECT = "hav_env"
-# threads, checks and trials change no result
+# threads, checks and trial runs do not change results
 _ASIDE = (
     *("hav_env.compiled.", "hav_env.models."),
     *("hav_env.simulator.trial", "hav_env.simulator.names_used"),
 )
 _HAS_DOCSTRING = 0x4000000  # flag CO_HAS_DOCSTRING of Python 3.14
-_DEEPEST = 4  # modules in modules, as in a.b.c.function
-# how kernels are compiled: a change here changes all compiled code
+_DEEPEST = 4  # most nested modules, as in a.b.c.function
+# files that define how kernels are compiled: a change here changes all compiled code
 _MACHINERY = ("compiler.py", "held.py", "instructions.py", "kernels.py", "precision.py")
 
 
 class Code(NamedTuple):
-    """The findings on the way through the code."""
+    """Results of the walk through the code."""
 
     digest: str
     """SHA-256 of all of it, in hexadecimal."""
     models: tuple[str, ...]
-    """Names of the given classes of models that choose implementations of generic kernels."""
+    """Names of the given model classes that select implementations of generic kernels."""
     size: int
-    """Number of bytes of bytecode, by which the time to compile it is estimated."""
+    """Number of bytes of bytecode, for the estimate of the compile time."""
 
 
 def digest_code(functions: Iterable[Callable], models: Iterable[type] = ()) -> Code:
-    """Digest functions, and the functions of the project that they lead to.
+    """Digest functions, and the functions of the project that they reach.
 
     Args:
-        functions: kernels, entries or any functions of Python.
-        models: classes of the models that the functions are given.
+        functions: Kernels, entries or any Python functions.
+        models: Classes of the models that the functions receive.
     """
     walk = _Walk(set(models))
     for function in functions:
@@ -62,7 +63,7 @@ def digest_code(functions: Iterable[Callable], models: Iterable[type] = ()) -> C
 
 
 def classes_in(*values: Any) -> set[type]:
-    """Return the classes of models in values, those in fields of models among them."""
+    """Return the classes of models in values, including those in fields of models."""
     found: set[type] = set()
     for value in values:
         if isinstance(value, type):
@@ -74,18 +75,18 @@ def classes_in(*values: Any) -> set[type]:
 
 @functools.cache
 def machinery_digest() -> str:
-    """Return a digest of the files that say how kernels are compiled."""
+    """Return a digest of the files that define how kernels are compiled."""
     here = pathlib.Path(__file__).parent
     content = b"".join((here / name).read_bytes() for name in _MACHINERY)
     return hashlib.sha256(content).hexdigest()
 
 
-# parts of the world have types that select code, as models do; they follow from the models
+# parts of the world have types that select code, as models do; the models determine them
 _PARTS = f"{_PROJECT}.world."
 
 
 class _Walk:
-    """A way through functions; every one of them is visited once."""
+    """A walk through functions that visits each of them once."""
 
     def __init__(self, models: set[type]) -> None:
         self.models, self.given, self.chosen = models, frozenset(models), set[str]()
@@ -93,17 +94,18 @@ class _Walk:
         self.size = 0
         self._packages = {_PROJECT, *map(_package_of, models)}
         self._seen: set[int] = set()
-        self._kept: list[Any] = []  # so that no other object gets an identity that was seen
+        # keeps objects alive, so no other object can get the identity of a visited one
+        self._kept: list[Any] = []
         self._open: list[types.FunctionType] = []
         self._generics: list[Any] = []
 
     def enter(self, function: Any) -> None:
-        """Begin at a function, whose package is followed."""
+        """Begin at a function, and follow functions of its package."""
         self._packages.add(_package_of(getattr(function, "func", function)))
         self._note(function)
 
     def finish(self) -> None:
-        """Visit all that can be reached."""
+        """Visit all reachable functions."""
         while True:
             while self._open:
                 self._visit(self._open.pop())
@@ -111,7 +113,7 @@ class _Walk:
                 return
 
     def _choose(self) -> bool:
-        """Follow the implementations for the models known by now; tell whether there are any."""
+        """Follow the implementations for the models known so far; return whether there are any."""
         before = len(self._seen)
         for generic in list(self._generics):
             table = getattr(generic, "table", None)
@@ -144,7 +146,7 @@ class _Walk:
                 self._note(part)
         elif isinstance(value, classmethod | staticmethod | property):
             self._note(value.fget if isinstance(value, property) else value.__func__)
-        elif hasattr(value, "py_func"):  # somebody's own numba.njit
+        elif hasattr(value, "py_func"):  # a function compiled by the user's own numba.njit
             self._packages.add(_package_of(value.py_func))
             self._note(value.py_func)
         elif isinstance(value, tuple | list | set | frozenset | dict):
@@ -154,7 +156,7 @@ class _Walk:
             self._note(type(value))
 
     def _note_inside(self, value: Any) -> None:
-        """Follow what a container holds: functions in the entries of tables, for example."""
+        """Follow the contents of a container: functions in the entries of tables, for example."""
         self._see(value)
         if hasattr(value, "_fields"):
             self._note(type(value))
@@ -165,14 +167,15 @@ class _Walk:
         wrapped = getattr(function, "__wrapped__", None)
         if hasattr(function, "table") or hasattr(function, "registry"):
             self._generics.append(function)
-        elif wrapped is not None:  # an entry, or what a decorator made: what it wraps counts
+        # an entry or another decorated function: the wrapped function counts
+        elif wrapped is not None:
             self._packages.add(_package_of(wrapped))
             self._note(wrapped)
         elif function in KERNELS or self._is_followed(function):
             self._open.append(function)
 
     def _is_followed(self, function: types.FunctionType) -> bool:
-        """Tell whether a function of Python matters to what a table holds."""
+        """Return whether a Python function affects the contents of a table."""
         aside = function.__module__.startswith(_ASIDE)
         return not aside and _package_of(function) in self._packages
 
@@ -191,7 +194,7 @@ class _Walk:
                 self._note(parent)
 
     def _visit(self, function: types.FunctionType) -> None:
-        """Add the facts of a function, and follow what it refers to."""
+        """Add the facts of a function, and follow the values that it refers to."""
         facts, size, values = _read(function)
         self.facts.add(facts)
         self.size += size
@@ -202,11 +205,11 @@ class _Walk:
 @functools.cache
 def _read(function: types.FunctionType) -> tuple[str, int, tuple[Any, ...]]:
     """Return the facts of a function, the size of its bytecode and the values it refers to."""
-    told = [function.__module__, function.__qualname__, KERNELS.get(function, "")]
+    facts = [function.__module__, function.__qualname__, KERNELS.get(function, "")]
     size, values = 0, []
     for code in codes_in(function.__code__):
         size += len(code.co_code)
-        told += [
+        facts += [
             code.co_code.hex(),
             repr((code.co_argcount, code.co_kwonlyargcount, code.co_flags)),
             repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)),
@@ -214,27 +217,27 @@ def _read(function: types.FunctionType) -> tuple[str, int, tuple[Any, ...]]:
         ]
         for name, value in _names_in(function.__globals__, code, ""):
             if _is_state(name, value):
-                told.append(f"{name} = {name_of(type(value))}")
+                facts.append(f"{name} = {name_of(type(value))}")
                 continue
-            told.append(f"{name} = {stable_text(value)}")
+            facts.append(f"{name} = {stable_text(value)}")
             values.append(value)
     cells = [cell.cell_contents for cell in function.__closure__ or () if _is_filled(cell)]
     defaults = *(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()
     for value in (*cells, *defaults):
-        told.append(stable_text(value))
+        facts.append(stable_text(value))
         values.append(value)
-    return "\t".join(told), size, tuple(values)
+    return "\t".join(facts), size, tuple(values)
 
 
 def _is_state(name: str, value: Any) -> bool:
-    """Tell whether a global name holds what a process remembers: no constant, but a container."""
+    """Return whether a global name holds mutable state: a container that is not a constant."""
     return isinstance(value, list | dict | set) and not name.rpartition(".")[2].isupper()
 
 
 def _names_in(
     known: dict[str, Any], code: types.CodeType, prefix: str
 ) -> Iterable[tuple[str, Any]]:
-    """Give the global names of a code, and attributes of modules, with their values."""
+    """Yield the global names in a code object, and attributes of modules, with their values."""
     for name in code.co_names:
         if name in known:
             value = known[name]
@@ -244,7 +247,7 @@ def _names_in(
 
 
 def codes_in(code: types.CodeType) -> Iterable[types.CodeType]:
-    """Give a code and those of the functions, lambdas and comprehensions inside."""
+    """Yield a code object and those of the functions, lambdas and comprehensions inside."""
     yield code
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
@@ -252,14 +255,15 @@ def codes_in(code: types.CodeType) -> Iterable[types.CodeType]:
 
 
 def _constants_of(code: types.CodeType) -> Iterable[Any]:
-    """Give the constants of a code but its docstring and what is inside."""
+    """Yield the constants of a code object except its docstring and nested code objects."""
     first = 1 if _has_docstring(code) else 0
     return (value for value in code.co_consts[first:] if not isinstance(value, types.CodeType))
 
 
 def _has_docstring(code: types.CodeType) -> bool:
-    """Tell whether the first constant is a docstring: that of "def" is, or it is None."""
-    if sys.version_info >= (3, 14):  # functions without one have no None in its place there
+    """Return whether the first constant is a docstring: for "def" it is that or None."""
+    # there, functions without a docstring have no None in its place
+    if sys.version_info >= (3, 14):
         return bool(code.co_flags & _HAS_DOCSTRING)
     made_by_def = bool(code.co_flags & inspect.CO_NEWLOCALS) and code.co_name[0] != "<"
     return made_by_def and bool(code.co_consts) and isinstance(code.co_consts[0], str)

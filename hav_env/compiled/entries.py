@@ -21,22 +21,22 @@ from hav_env.compiled.threads import default_threads, share_out
 from hav_env.models.annotations import kinds_of, split_range
 
 _log = logging.getLogger(__name__)
-_SILENT_SECONDS = 1.0  # what is compiled in less is not announced
-_PER_SECOND = 2_000.0  # bytes of bytecode that are compiled in a second
+_SILENT_SECONDS = 1.0  # compilations shorter than that are not announced
+_PER_SECOND = 2_000.0  # bytes of bytecode compiled per second
 
 
 def entry(function: Callable) -> Any:
     """Make ``loop(first, last, *args)`` over worlds callable as ``loop(count, *args)``.
 
-    The loop is compiled at its first call, once models are registered, and kept on disk under the
-    digest of the code that it reaches, for Numba itself does not see edits in other files. The
-    worlds are shared out evenly among ``threads`` (default: ``default_threads()``). The threads are
-    Python's and the loop is serial and free of the GIL: Numba's ``prange`` loses writes to fields
-    of tuples (numba#7135) and does not survive a fork.
+    The loop is compiled at its first call, when models are registered. The disk cache stores it
+    under the digest of the code that it reaches, because Numba does not notice edits in other
+    files. ``threads`` threads (default: ``default_threads()``) share the worlds evenly. The threads
+    are Python threads, and the loop is serial and releases the GIL. Numba's ``prange`` loses writes
+    to fields of tuples (numba#7135) and does not survive a fork.
 
-    ``loop.prepare(*args)`` returns the compiled loop over ``(first, last, *args)`` that no longer
-    looks at the types of its arguments, for that takes longer than to step one world. They must be
-    the same from then on, those of arrays with number of axes, order and type of the elements.
+    ``loop.prepare(*args)`` returns the compiled loop over ``(first, last, *args)`` without dispatch
+    on argument types, which takes longer than stepping one world. Later calls must pass the same
+    types; for arrays, the same number of axes, order and element type.
     """
     compiled: list[Callable] = []
 
@@ -67,10 +67,10 @@ def _signature(args: tuple) -> tuple:
 
 
 def canonical(model: Any) -> Any:
-    """Return a model as compiled code takes it.
+    """Return a model in the form that compiled code takes.
 
-    Its numbers are Python's (NumPy's, and an int for a float, are other types, compiled anew), and
-    words that a ``Literal`` allows are their places in it.
+    Its numbers become Python numbers, because NumPy's numbers, and an int for a float, are other
+    types that Numba compiles anew. Words of a ``Literal`` become their index in it.
     """
     model_class: Any = type(model)
     return model._make(
@@ -80,7 +80,7 @@ def canonical(model: Any) -> Any:
 
 @functools.cache
 def _converters(model_class: Any) -> tuple[Callable[[Any], Any], ...]:
-    """Return what makes of each field of a model what compiled code takes."""
+    """Return the functions that convert each field of a model for compiled code."""
     kinds = kinds_of(model_class)
     return tuple(_converter(kinds.get(field)) for field in model_class._fields)
 
@@ -96,7 +96,7 @@ def _converter(kind: Any) -> Callable[[Any], Any]:
 
 
 def _cached(function: Callable) -> Callable:
-    """Return the function compiled, or about to be, and kept on disk if there is a place for it."""
+    """Return the function in its compiled, or lazily compiled, form, cached on disk if possible."""
     loop = numba.njit(**ENTERED)(function)
     home = find_home(os.environ.get("NUMBA_CACHE_DIR", ""))
     if home is not None and hasattr(loop, "compile"):
@@ -109,10 +109,10 @@ _compiling = threading.Lock()
 
 
 def _ensure_compiled(loop: Any, args: tuple) -> None:
-    """Compile (or load) the loop for these arguments first, and say so when it takes a while.
+    """Compile (or load) the loop for these arguments; announce it if it takes a while.
 
     Raises:
-        TypeError: when Numba cannot compile a model's code, naming file and line.
+        TypeError: If Numba cannot compile a model's code; the message names file and line.
     """
     plain = [part for arg in args for part in (arg.arguments if isinstance(arg, Held) else (arg,))]
     kinds = (id(loop), *map(_kind_of, plain))
@@ -127,7 +127,7 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
             loop.compile(signature)
         except NumbaError as error:
             raise TypeError(explain(loop.py_func.__name__, error)) from None
-        except Exception as error:  # Numba fails inside, as on a NamedTuple's defaults
+        except Exception as error:  # Numba fails internally, as on a NamedTuple's defaults
             raise TypeError(explain(loop.py_func.__name__, error)) from error
         _ready.add(kinds)
 
@@ -140,11 +140,11 @@ def _kind_of(value: Any) -> Any:
 
 
 def _announce(function: Callable, args: list) -> None:
-    """Say what is compiled, for which models, and about how long that takes."""
+    """Log the function, the models and the approximate time of a compilation."""
     code = digest_code([function], classes_in(*args))
     seconds = code.size / _PER_SECOND
     if seconds < _SILENT_SECONDS:
         return
     models = f" for {', '.join(code.models)}" if code.models else ""
-    told = "hav_env compiles %s%s: about %.0f s, once for this code on this machine ..."
-    _log.warning(told, function.__name__, models, seconds)
+    message = "hav_env compiles %s%s: about %.0f s, once for this code on this machine ..."
+    _log.warning(message, function.__name__, models, seconds)

@@ -1,4 +1,4 @@
-"""This module turns errors of Numba into one line that names the file and the line to look at."""
+"""This module turns errors of Numba into one line with the file and the line to fix."""
 
 import os
 import pathlib
@@ -9,19 +9,19 @@ _PLACE = re.compile(r'File "([^"]+)", line (\d+)')
 _LINES_ASIDE = re.compile(
     r"^(During: |File |-+%<|<source missing|\[|Failed in nopython|def |@|\^|$)"
 )
-# lines of Numba's that say what is wrong, not where it led
+# lines of Numba's message that state the problem, not the path to it
 _TELLING = re.compile(r"(?i)nameerror|untyped global|unknown attribute|cannot unify|is not defined")
 _ROOT = pathlib.Path(__file__).parents[2]
 _PROJECT_FILES = tuple(f"{_ROOT / top}{os.sep}" for top in ("hav_env", "baselines"))
-_LONGEST_REASON = 300  # characters of Numba's message
+_LONGEST_REASON = 300  # longest part of Numba's message [characters]
 
 
 def explain(name: str, error: Exception) -> str:
-    """Return what Numba cannot compile, why, and where that stands, in one line.
+    """Return the name of the code that Numba cannot compile, the reason and the line, as one line.
 
     Args:
-        name: of the entry that is compiled.
-        error: of Numba, whose text names places from the outermost caller to the innermost.
+        name: Name of the entry being compiled.
+        error: Numba's error, whose text lists places from the outermost caller to the innermost.
     """
     text = str(error)
     libraries = tuple(sysconfig.get_paths()[key] for key in ("stdlib", "purelib", "platlib"))

@@ -1,7 +1,7 @@
-"""This module holds arguments of entries in a table, so that a call hands over one address.
+"""This module holds arguments of entries in a table, so a call passes a single address.
 
-Numba unwraps each array and each number of nested tuples at every call. A decision process has
-sixty of them, and that takes a quarter of the time in which one world is stepped.
+Numba unwraps each array and each number of nested tuples in every call. A decision process has
+sixty of them, and unwrapping takes a quarter of the time of a step of one world.
 """
 
 import struct
@@ -24,10 +24,10 @@ from numba.np.arrayobj import populate_array
 
 
 class Held:
-    """Arguments that stay the same from call to call: numbers, arrays, and tuples of them.
+    """Constant arguments of calls: numbers, arrays, and tuples of them.
 
-    It keeps the arrays that its table points at, so that their memory stays where it is. It cannot
-    be given others: whoever needs others makes a new one.
+    It keeps a reference to the arrays in its table, so their memory stays valid. It is immutable:
+    make a new object for other arguments.
     """
 
     __slots__ = ("address", "arguments", "table")
@@ -36,24 +36,24 @@ class Held:
         """Write the table.
 
         Raises:
-            TypeError: when there is something else among the arguments.
+            TypeError: If an argument has another type.
         """
         self.arguments = arguments
         self.table = np.array([*_words_of(arguments)], np.int64)
         self.address = self.table.ctypes.data
 
     def __reduce__(self) -> tuple:
-        """Copy the arguments: their addresses are others."""
+        """Copy the arguments: the copy has other addresses."""
         return Held, self.arguments
 
 
 def arguments_of(held):
-    """Return the arguments that are held, in kernels and entries."""
+    """Return the held arguments, in kernels and entries."""
     return held.arguments
 
 
 def _words_of(value: Any) -> Iterator[int]:
-    """Yield what the table says of a value, in the order in which ``_read`` reads it."""
+    """Yield the table's words for a value, in the order in which ``_read`` reads them."""
     if isinstance(value, tuple):
         for part in value:
             yield from _words_of(part)
@@ -68,10 +68,10 @@ def _words_of(value: Any) -> Iterator[int]:
 
 
 class HeldType(numba.types.Type):
-    """The type of ``Held``: that of its arguments."""
+    """Type of ``Held``, by the types of its arguments."""
 
     def __init__(self, arguments: numba.types.BaseTuple) -> None:
-        """Take the type of the arguments."""
+        """Store the type of the arguments."""
         self.arguments = arguments
         super().__init__(f"Held({arguments})")
 

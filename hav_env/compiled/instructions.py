@@ -1,4 +1,4 @@
-"""This module adds instructions of LLVM that Python lacks, and the same bits in plain Python."""
+"""This module adds LLVM instructions that Python lacks, with bit-equal versions in plain Python."""
 
 import ctypes
 import math
@@ -13,7 +13,7 @@ from llvmlite import ir
 from numba.core import cgutils
 from numba.extending import lower_builtin, type_callable
 
-TILE_SIDE = 16  # float32 of a vector of 512 bits
+TILE_SIDE = 16  # number of float32 in a vector of 512 bits
 _SQRT_HALF = math.sqrt(0.5)
 
 
@@ -24,16 +24,16 @@ def _find_in_libm(name: str, kind: type) -> Callable:
     return function
 
 
-# math.fma is there from Python 3.13 on
+# Python 3.13 and later have math.fma
 _fma = getattr(math, "fma", None) or _find_in_libm("fma", ctypes.c_double)
 _fma_of_singles = _find_in_libm("fmaf", ctypes.c_float)
 _counting = threading.Lock()
 
 
 def fma(x, y, z):
-    """Return x * y + z, rounded once: one instruction, the same on all machines.
+    """Return x * y + z, rounded once: one instruction, bit-equal on all machines.
 
-    It is a float32 if all three are.
+    The result is a float32 if all three are.
     """
     if type(x) is type(y) is type(z) is np.float32:
         return np.float32(_fma_of_singles(x, y, z))
@@ -46,7 +46,7 @@ def bits_of(value):
 
 
 def float_of(bits):
-    """Return the float that has these 64 bits."""
+    """Return the float with these 64 bits."""
     return struct.unpack("<d", struct.pack("<Q", bits & 0xFFFFFFFFFFFFFFFF))[0]
 
 
@@ -67,8 +67,8 @@ def split_power(x):
 def transpose_tile(columns, column, lane, rows, row, place):
     """Write rows[row + i, place + j] = columns[column + j, lane + i] for i, j below ``TILE_SIDE``.
 
-    Both arrays are of float32. Compiled, a whole tile stays in registers: reading along one axis
-    and writing along the other would move one number at a time.
+    Both arrays are of float32. In compiled code, a whole tile stays in registers. Reading along one
+    axis and writing along the other would move one number at a time.
     """
     tile = columns[column : column + TILE_SIDE, lane : lane + TILE_SIDE]
     rows[row : row + TILE_SIDE, place : place + TILE_SIDE] = tile.T
@@ -77,41 +77,41 @@ def transpose_tile(columns, column, lane, rows, row, place):
 def lanes_from(array, first):
     """Return ``array[..., first:]`` as an array of the same type.
 
-    Compiled, only the address moves on: the shape stays, and the lanes that it has too many must
-    not be touched.
+    In compiled code only the address changes. The shape does not, so code must not access the
+    surplus lanes.
     """
     return array[..., first:]
 
 
 def of_width(array, width):
-    """Return an array of two axes, the last of which is ``width`` long, as one known to be that.
+    """Return an array of two axes, the last of length ``width``, with that length as a constant.
 
-    The width must be a constant. Compiled code then knows how far rows lie apart, and that lanes of
-    one do not overlap with those of another; where it asks instead, it soon gives up vectors.
+    The width must be a constant. Compiled code then knows the distance between rows, and that lanes
+    of different rows do not overlap. If it has to test this, it often gives up vectorising.
     """
     return array
 
 
 def contiguous(row):
-    """Return an array of one axis whose elements lie together, as one that is known to do so.
+    """Return an array of one axis with adjacent elements as one whose type is contiguous.
 
-    Elsewhere compiled code multiplies by the distance between elements wherever it reads one.
+    For other arrays, compiled code multiplies by the stride at every access.
     """
     return row
 
 
 def fixed(row):
-    """Return the row of an array that the lane loops inside are to work on.
+    """Return the row of an array on which the inner lane loops work.
 
-    Compiled, they take it as given. Otherwise LLVM tests once for all rounds of the loop outside
-    whether what is written overlaps what is read; the rows of one array together do, and it would
-    work on one lane at a time.
+    Compiled inner loops treat the row as a constant. Otherwise LLVM tests once, for all iterations
+    of the outer loop, whether written memory overlaps read memory. All rows of one array together
+    do overlap, so the loop would work on one lane at a time.
     """
     return row
 
 
 def take(counter):
-    """Return the number in an array of one, and count on: each thread gets another one."""
+    """Return the number in an array of one, and increment it: each thread gets another number."""
     with _counting:
         taken = counter[0]
         counter[0] = taken + 1
@@ -152,8 +152,8 @@ def _lower_split_power(context, builder, signature, arguments):
     half = builder.bitcast(real(_SQRT_HALF), whole)
     power = builder.ashr(builder.sub(bits, half), whole(fraction))
     mantissa = builder.bitcast(builder.sub(bits, builder.shl(power, whole(fraction))), real)
-    # added to 1.5 * 2**fraction, a whole number stands in the lowest bits: unlike the conversion of
-    # 64 bits, AVX2 has this for vectors
+    # added to 1.5 * 2**fraction, a whole number is in the lowest bits: AVX2 vectorises this, but
+    # not the conversion of 64 bits
     rounder = real(1.5 * 2.0**fraction)
     shifted = builder.add(builder.bitcast(rounder, whole), power)
     exponent = builder.fsub(builder.bitcast(shifted, real), rounder)
@@ -170,7 +170,7 @@ def _lower_transpose_tile(context, builder, signature, arguments):
     vector = ir.VectorType(ir.FloatType(), TILE_SIDE)
 
     def places(first: int):
-        """Give the addresses of the tile's rows in an array."""
+        """Yield the addresses of the tile's rows in an array."""
         given = arguments[first], signature.args[first]
         view = cgutils.create_struct_proxy(given[1])(context, builder, given[0])
         across, along = cgutils.unpack_tuple(builder, view.strides)
@@ -183,7 +183,7 @@ def _lower_transpose_tile(context, builder, signature, arguments):
 
     rows = [builder.load(place, align=4) for place in places(0)]
     distance = 1
-    while distance < TILE_SIDE:  # exchanges blocks over the diagonal
+    while distance < TILE_SIDE:  # exchanges blocks across the diagonal
         own, other = [], []
         for j in range(TILE_SIDE):
             own.append(TILE_SIDE + j - distance if j & distance else j)

@@ -9,8 +9,8 @@ from numba.extending import overload
 from hav_env.compiled.compiler import LoopPart, Part, RarePart, Whole, compiler_into
 from hav_env.compiled.digests import KERNELS
 
-# Kernels allocate nothing, so Numba's reference counting of arrays is switched off: it would take
-# most of the time.
+# Kernels allocate nothing, so Numba's reference counting of arrays is off: it would take most of
+# the time.
 _KERNEL_OPTIONS = {"error_model": "numpy", "nogil": True, "_nrt": False}
 ENTERED = _KERNEL_OPTIONS | {"pipeline_class": compiler_into(Whole)}
 _CALLED = _KERNEL_OPTIONS | {
@@ -19,17 +19,17 @@ _CALLED = _KERNEL_OPTIONS | {
     "no_cfunc_wrapper": True,
 }
 _INLINED = _CALLED | {"forceinline": True}
-# said, for otherwise Numba takes over what holds for the caller
+# explicit, because Numba otherwise inherits the caller's flags
 _RARE = _CALLED | {"forceinline": False, "pipeline_class": compiler_into(RarePart)}
 _LOOP = _RARE | {"pipeline_class": compiler_into(LoopPart)}
 
 
 def kernel(function: Callable) -> Callable:
-    """Let a function be compiled into the kernels and entries that call it.
+    """Mark a function to be compiled into the kernels and entries that call it.
 
-    It stays what it is when Python calls it. Loops over lanes run several worlds at once only if
-    all that they call is inlined and free of branches. The inlining is LLVM's: Numba's own
-    (``inline="always"``) compiles ten times as long and miscompiles returns out of loops.
+    In Python it remains an ordinary function. Loops over lanes run several worlds at once only if
+    all their callees are inlined and free of branches. LLVM does the inlining: Numba's own
+    (``inline="always"``) takes ten times as long to compile and miscompiles returns out of loops.
     """
     KERNELS[function] = "inlined"
     overload(function, strict=False, jit_options=_INLINED)(lambda *args: function)
@@ -37,17 +37,17 @@ def kernel(function: Callable) -> Callable:
 
 
 def rare_kernel(function: Callable) -> Callable:
-    """Let a function be compiled, but called: what seldom happens need not be repeated."""
+    """Mark a function to be compiled but not inlined, because it is seldom needed."""
     KERNELS[function] = "called"
     overload(function, strict=False, jit_options=_RARE)(lambda *args: function)
     return function
 
 
 def loop_kernel(function: Callable) -> Callable:
-    """Let a function be the loop of an entry that hands on what is ``Held``.
+    """Mark a function as the loop of an entry that passes on ``Held`` arguments.
 
-    Addresses that are read from a table may be those of one array, for all that LLVM knows. As
-    arguments of a function of its own, the arrays are taken to lie apart.
+    LLVM must assume that addresses read from a table may belong to one array. For arguments of a
+    separate function, it assumes that arrays do not overlap.
     """
     KERNELS[function] = "loop"
     overload(function, strict=False, jit_options=_LOOP)(lambda *args: function)
@@ -55,11 +55,11 @@ def loop_kernel(function: Callable) -> Callable:
 
 
 def generic(stub: Callable) -> Any:
-    """``functools.singledispatch`` for kernels: the type of the first argument picks the code.
+    """Dispatch kernels like ``functools.singledispatch``: the first argument's type selects code.
 
     Register a kernel with ``@stub.register(ModelClass)``; ``stub.table`` maps classes to kernels.
-    ``@stub.otherwise`` is for all other classes. The choice is made when a caller is compiled, so
-    it costs nothing when it runs.
+    ``@stub.otherwise`` registers the kernel for all other classes. The selection happens when a
+    caller is compiled, so it costs nothing at run time.
     """
     table: dict[type, Callable] = {}
     others: list[Callable] = []

@@ -1,7 +1,7 @@
-"""This module derives kernels in single precision from those in double precision: one text of both.
+"""This module derives single-precision kernels from double-precision kernels: one source for both.
 
-Rows of learners are float32. What is worked out for them alone takes half as long in single
-precision, for a vector holds twice as many numbers. State, motion and events stay in double.
+Rows of learners are float32. Computing them in single precision takes half as long, because a
+vector holds twice as many numbers. State, motion and events stay in double precision.
 """
 
 import functools
@@ -17,24 +17,24 @@ from hav_env.compiled.kernels import kernel, rare_kernel
 
 single = np.float32
 
-_MATHS = types.ModuleType("single_math", "What kernels use of ``math``, for float32.")
+_MATHS = types.ModuleType("single_math", "The part of ``math`` that kernels use, for float32.")
 vars(_MATHS).update(sqrt=np.sqrt, pi=single(math.pi), inf=single(math.inf))
 
 
 @functools.cache
 def in_single(function: Callable) -> Callable:
-    """Return the kernel that does in single precision what another does in double.
+    """Return the single-precision version of a double-precision kernel.
 
-    Its constants, and those of all kernels that it calls, are float32: where the arguments are, so
-    is all arithmetic, compiled or not. A constant of a module that is to be another number then is
-    listed by name in the module's ``_IN_SINGLE``.
+    Its constants, and those of all kernels that it calls, are float32. If the arguments are
+    float32, so is all arithmetic, compiled or not. A module lists constants with another value in
+    single precision by name in its ``_IN_SINGLE``.
 
     Args:
-        function: a kernel of scalars, or a function that only calls kernels; none that is generic
-            or works on bits.
+        function: Kernel of scalars, or a function that only calls kernels; generic kernels and
+            kernels on bits are not allowed.
 
     Raises:
-        TypeError: when the function is a generic kernel.
+        TypeError: If the function is a generic kernel.
     """
     if hasattr(function, "table"):
         raise TypeError(f"{function.__name__} is generic, but must be one kernel")
@@ -54,7 +54,7 @@ def in_single(function: Callable) -> Callable:
 
 
 def _convert(value: Any) -> Any:
-    """Return what stands for a constant, a function or a module in single precision."""
+    """Return the single-precision counterpart of a constant, a function or a module."""
     if isinstance(value, float):
         return single(value)
     if isinstance(value, types.FunctionType) and value in KERNELS:

@@ -10,7 +10,7 @@ import numpy as np
 
 @functools.singledispatch
 def stable_text(value: Any) -> str:
-    """Return a value as text; of what is neither data nor code only the name of its type."""
+    """Return a value as text; for a value that is neither data nor code, only its type name."""
     if dataclasses.is_dataclass(value):
         return f"{name_of(type(value))}{stable_text(vars(value))}"
     return getattr(value, "__qualname__", None) or name_of(type(value))

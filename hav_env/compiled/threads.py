@@ -9,14 +9,14 @@ import queue
 import threading
 from collections.abc import Callable, Iterable
 
-VECTOR = 16  # lanes to work on whole vectors: worlds are shared out in such portions
+VECTOR = 16  # lanes of one block of whole vectors; threads share worlds in such portions
 
 
 def default_threads() -> int:
-    """Return how many threads an entry uses: ``HAV_THREADS``, or the cores this process may use.
+    """Return the number of threads of an entry: ``HAV_THREADS``, or the cores of this process.
 
     Raises:
-        ValueError: when ``HAV_THREADS`` is not a whole number of at least 1.
+        ValueError: If ``HAV_THREADS`` is not a whole number of at least 1.
     """
     wish = os.environ.get("HAV_THREADS")
     if not wish:
@@ -31,10 +31,10 @@ def default_threads() -> int:
 
 
 def share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
-    """Run a loop over worlds on threads, each of which takes a range of them; this one, too.
+    """Run a loop over worlds on threads, including this one; each takes ranges of worlds.
 
-    An interrupt (Ctrl-C) is raised when the loop is done everywhere: no world is left behind, and
-    nobody writes into the arrays any more.
+    An interrupt (Ctrl-C) is raised after the loop has ended in all threads. No world is left
+    behind, and no thread writes into the arrays any more.
     """
     _finish_interrupted()
     share = -(-count // (threads * VECTOR)) * VECTOR
@@ -46,11 +46,11 @@ def share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
 
 
 class _Batch:
-    """A loop and the ranges of worlds that it is to run over, each of them once.
+    """A loop and the ranges of worlds over which it runs, each of them once.
 
-    An interrupt may come between any two instructions of the main thread's Python, but not within a
-    call of C. So what must not be torn apart is one such call: to take a range, run it and note it;
-    to hand the batch on to helpers and note to how many.
+    An interrupt may come between any two Python instructions of the main thread, but not within a C
+    call. Operations that must not be split are therefore single C calls: taking, running and
+    recording a range; passing the batch to helpers and recording their number.
     """
 
     def __init__(self, loop: Callable, spans: list[tuple]) -> None:
@@ -58,11 +58,11 @@ class _Batch:
         self._others = len(spans) - 1
         self._done: collections.deque[None] = collections.deque()
         self._seats: list[threading.Lock] = []
-        self._taken: list[None] = []  # as long as seats were handed on
+        self._taken: list[None] = []  # as long as the number of seats passed to helpers
         self.errors: list[BaseException] = []
 
     def hand_on(self, helpers: queue.SimpleQueue) -> None:
-        """Let helpers take part."""
+        """Pass the batch to helpers."""
         self._seats = [threading.Lock() for _ in range(self._others)]
         for seat in self._seats:
             seat.acquire()
@@ -76,24 +76,25 @@ class _Batch:
                 return
             except KeyboardInterrupt:
                 raise
-            except BaseException as error:  # it is raised where the batch came from
+            except BaseException as error:  # the thread that passed the batch raises it
                 self.errors.append(error)
 
     def finish(self) -> None:
-        """Run what is left, and wait for the helpers; may be called again after an interrupt."""
+        """Run the remaining ranges and wait for the helpers; callable again after an interrupt."""
         self.work()
         for seat in self._seats[: len(self._taken)]:
-            with seat:  # free when its helper is done
+            with seat:  # released when its helper has finished
                 pass
 
 
-_running: dict[int, _Batch] = {}  # by the thread that wants it done
+_running: dict[int, _Batch] = {}  # by the thread that runs the batch
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_running.clear)  # its parent's helpers are none of its own
+    # a child process has no helpers of its parent
+    os.register_at_fork(after_in_child=_running.clear)
 
 
 def _run(batch: _Batch, helpers: queue.SimpleQueue) -> None:
-    """Run a batch with helpers, and raise what it raised."""
+    """Run a batch with helpers, and raise its error, if any."""
     here = threading.get_ident()
     _running[here] = batch
     try:
@@ -108,7 +109,7 @@ def _run(batch: _Batch, helpers: queue.SimpleQueue) -> None:
 
 
 def _finish_interrupted() -> None:
-    """Finish what this thread was interrupted in before something else uses the arrays."""
+    """Finish the interrupted batch of this thread before other code uses the arrays."""
     batch = _running.get(threading.get_ident())
     if batch is not None:
         batch.finish()
@@ -116,20 +117,20 @@ def _finish_interrupted() -> None:
 
 
 def _help(helpers: queue.SimpleQueue) -> None:
-    """Take part in one batch after the other."""
+    """Take part in one batch after another."""
     while True:
         batch, seat = helpers.get()
         batch.work()
-        del batch  # lets go of the arrays
+        del batch  # releases the arrays
         seat.release()
 
 
 @functools.cache
 def _helpers(process: int, threads: int) -> queue.SimpleQueue:
-    """Return where threads wait for batches; a forked child has none of its parent's.
+    """Return the queue on which threads wait for batches; a forked child has its own.
 
-    They are at hand in a few microseconds. An executor takes a hundred to hand on a job and to hear
-    of its end, which is as long as a thousand worlds take for a step.
+    They respond within a few microseconds. An executor takes a hundred to submit a job and to
+    report its end, which is as long as a step of a thousand worlds.
     """
     waiting: queue.SimpleQueue = queue.SimpleQueue()
     for _ in range(threads - 1):
@@ -145,15 +146,15 @@ def run_on_threads(
 ) -> list:
     """Return ``[function(item) for item in items]``, computed on threads as they become free.
 
-    Worth it when the function spends its time in entries, which it must call with ``threads=1``.
-    Two threads that write into neighbouring elements of an array wait for each other, so each item
-    should have arrays of its own.
+    It pays if the function spends its time in entries, which it must call with ``threads=1``. Two
+    threads that write to neighbouring elements of an array slow each other down, so each item
+    should have its own arrays.
 
     Args:
-        function: what to compute, on any thread.
-        items: its arguments.
-        threads: by default ``default_threads()``.
-        stop: is called in the end, also after an interrupt: it lets what still runs end early.
+        function: Function to compute, on any thread.
+        items: Arguments of the function, one per call.
+        threads: Number of threads, by default ``default_threads()``.
+        stop: Function called at the end, also after an interrupt: it ends running work early.
     """
     threads = threads or default_threads()
     if threads == 1:
@@ -164,14 +165,14 @@ def run_on_threads(
             jobs.append(_pool(os.getpid(), threads).submit(function, item))
         return [job.result() for job in jobs]
     finally:
-        for job in jobs:  # after an interrupt: do not start what has not begun, ...
+        for job in jobs:  # after an interrupt: do not start waiting jobs, ...
             job.cancel()
         if stop is not None:
             stop()
-        concurrent.futures.wait(jobs)  # ... nor leave the arrays to loops that still write
+        concurrent.futures.wait(jobs)  # ... and do not leave the arrays to loops that still write
 
 
 @functools.cache
 def _pool(process: int, threads: int) -> concurrent.futures.ThreadPoolExecutor:
-    """One pool per process, so that a forked child does not wait for its parent's threads."""
+    """Return the pool of a process, so a forked child does not wait for its parent's threads."""
     return concurrent.futures.ThreadPoolExecutor(threads, thread_name_prefix="hav_env")

@@ -1,6 +1,6 @@
 """This module has Gymnasium's environments HAVSwarm-v0 and HAVSingle-v0.
 
-In HAVSwarm-v0 all HAVs are one actor. In HAVSingle-v0 there is one HAV.
+HAVSwarm-v0 controls all HAVs of a world jointly. HAVSingle-v0 controls one HAV.
 """
 
 from typing import Any, Unpack
@@ -30,14 +30,14 @@ class _WorldEnv(OfOneWorld, gym.Env):
     def reset(
         self, *, seed: int | None = None, options: dict | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode; a reset that is refused changes nothing.
+        """Begin an episode; an invalid reset raises an error and changes nothing.
 
         Args:
-            seed: begins with the first episode of this seed; None goes on to the next one.
-            options: as for ``SingleWorld.plan``.
+            seed: Start with the first episode of this seed; None continues with the next episode.
+            options: See ``SingleWorld.plan``.
 
         Raises:
-            ValueError, TypeError: naming what is wrong with seed or options.
+            ValueError, TypeError: If the seed or an option is invalid; the message names it.
         """
         plan = self._world.plan(seed, options, self.np_random)
         super().reset(seed=None if seed is None else int(seed))
@@ -48,12 +48,12 @@ class _WorldEnv(OfOneWorld, gym.Env):
         return self._view.observation(seen.observation), info
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Take an action. After the end of an episode the world goes on, with one warning.
+        """Take an action. After the end of an episode the simulation continues, with one warning.
 
         Raises:
-            TypeError: when the action is anything but real numbers.
-            ValueError: when its shape is wrong or a number is not finite.
-            RuntimeError: before the first ``reset``.
+            TypeError: If the action does not consist of real numbers.
+            ValueError: If its shape is wrong or a number is not finite.
+            RuntimeError: If ``reset`` has not been called.
         """
         numbers = list_action("the action", action, self._shape)
         if self._over and not self._warned:
@@ -79,9 +79,10 @@ class _WorldEnv(OfOneWorld, gym.Env):
 class HAVSwarmEnv(_WorldEnv):
     """All HAVs of a world under joint control, the paper's pair by default.
 
-    Observation (N, D), columns as in docs/environments.md; action (N, 2): speed from 0 to maximum
-    and steering from right to left, each from -1 to 1; reward: one number. Info: arrays (N,). For
-    agents that learn one by one: ``hav_env.parallel_env`` and ``hav_env.envs.stable_baselines3``.
+    Observation (N, D), columns as in docs/environments.md. Action (N, 2): speed from 0 to maximum
+    and steering from right to left, each from -1 to 1. Reward: one number. Info: arrays (N,). For
+    agents that learn independently, use ``hav_env.parallel_env`` or
+    ``hav_env.envs.stable_baselines3``.
     """
 
     def __init__(
@@ -95,13 +96,14 @@ class HAVSwarmEnv(_WorldEnv):
 
         Args:
             render_mode: None, "human", "rgb_array" or "ansi".
-            team_reward: how the HAVs' rewards become one: "mean", "sum" or "min".
-            flatten: spaces with one axis, (N * D,) and (N * 2,).
-            settings: as of ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
+            team_reward: How to combine the rewards of the HAVs: "mean", "sum" or "min".
+            flatten: Flatten the spaces to (N * D,) and (N * 2,).
+            settings: See ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
                 task, its rules, vehicle, observation, reward, frame_skip, info.
 
         Raises:
-            ValueError, TypeError: naming the argument, its value and what is allowed.
+            ValueError, TypeError: If an argument is invalid; the message names it, its value and
+                the rule.
         """
         world = SingleWorld(render_mode, **settings)
         super().__init__(world, JointView(world.process, team_reward, flatten))
@@ -111,11 +113,11 @@ class HAVSwarmEnv(_WorldEnv):
 
 
 class HAVSingleEnv(_WorldEnv):
-    """One HAV, alone by default: the paper's single-HAV task.
+    """One controlled HAV, by default without others: the paper's single-HAV task.
 
-    Observation (D,), action (2,), columns and units as of ``HAVSwarmEnv``. Info: numbers. Among
-    others (``num_havs``), the episode ends when this HAV has hit its last goal; goals change by
-    the rule ``next_goal``.
+    Observation (D,), action (2,); columns and units as in ``HAVSwarmEnv``. Info: scalars. With
+    other HAVs (``num_havs``), the episode ends when the controlled HAV has hit its last goal; the
+    rule ``next_goal`` decides when goals change.
     """
 
     def __init__(
@@ -128,12 +130,13 @@ class HAVSingleEnv(_WorldEnv):
 
         Args:
             render_mode: None, "human", "rgb_array" or "ansi".
-            others: the policy that drives the other HAVs: its name ("avoid_jack") or an object;
-                without one they stand.
-            settings: as of ``hav_env.mdp.decision_process.DecisionProcess``.
+            others: Policy of the other HAVs: its name ("avoid_jack") or an object; without one they
+                do not move.
+            settings: See ``hav_env.mdp.decision_process.DecisionProcess``.
 
         Raises:
-            ValueError, TypeError: naming the argument, its value and what is allowed.
+            ValueError, TypeError: If an argument is invalid; the message names it, its value and
+                the rule.
         """
         settings.setdefault("scenario", "paper-single")
         world = SingleWorld(render_mode, 1, others, **settings)

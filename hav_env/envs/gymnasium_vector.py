@@ -1,10 +1,12 @@
 """This module has Gymnasium's vector environments: W compiled worlds, stepped together."""
 
+import functools
 import numbers
 from collections.abc import Mapping
 from typing import Any, Unpack
 
 import numpy as np
+from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
@@ -14,12 +16,14 @@ from hav_env.envs.views import EgoView, JointView, Team
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.actions import take_actions
 from hav_env.mdp.buffers import Outcome
+from hav_env.mdp.central_state import CentralState
 from hav_env.mdp.decision_process import DecisionProcess, Settings
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Worlds
 from hav_env.simulator.batch import check_seed
 
-_MODES = ["rgb_array", "ansi"]  # a window shows one world: that of a single environment
+# a window can show only one world, so only single environments have that mode
+_MODES = ["rgb_array", "ansi"]
 
 
 class _WorldsVectorEnv(VectorEnv):
@@ -45,7 +49,7 @@ class _WorldsVectorEnv(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._shape = self.num_envs, *view.action_space.shape
-        self._told = *process.info, *(f"_{name}" for name in process.info)
+        self._info_keys = *process.info, *(f"_{name}" for name in process.info)
         self._seeds: np.ndarray | None = None
         self._episodes = np.zeros(self.num_envs, np.int64)
         self._note_ends(np.zeros(self.num_envs, np.bool_))
@@ -59,14 +63,15 @@ class _WorldsVectorEnv(VectorEnv):
         """Begin episodes.
 
         Args:
-            seed: of world 0, the others follow; or a list, one for each world. A world begins with
-                the first episode of its seed; with None it goes on to the next one. World w of seed
-                s is world w - 1 of seed s + 1: for other episodes in every run, take seeds that are
-                ``num_envs`` apart, or a list.
-            options: "reset_mask": (W,) bool, the worlds to reset; the others go on.
+            seed: Seed of world 0, from which the seeds of the other worlds follow; or a list with
+                one seed for each world. A world begins with the first episode of its seed; with
+                None it continues with the next episode. World w of seed s equals world w - 1 of
+                seed s + 1. For different episodes in every run, use seeds that are ``num_envs``
+                apart, or a list.
+            options: "reset_mask", (W,) bool: the worlds to reset; the others continue.
 
         Raises:
-            ValueError, TypeError: naming what is wrong with seed or options.
+            ValueError, TypeError: If the seed or an option is invalid; the message names it.
         """
         chosen, seeds = self._chosen(options), self._read_seeds(seed)
         super().reset(seed=int(seed) if isinstance(seed, numbers.Integral) else None)
@@ -88,11 +93,11 @@ class _WorldsVectorEnv(VectorEnv):
         """Take one action in every world.
 
         Raises:
-            TypeError: when the actions are no numbers.
-            ValueError: when the shape is wrong or a number is not finite.
-            RuntimeError: before the first ``reset``, or after one that failed; with autoreset
-                disabled, where a world whose episode has ended was not reset.
-            PlacementError: when the next episode of a world cannot begin; ``reset`` must follow.
+            TypeError: If the actions are not numbers.
+            ValueError: If the shape is wrong or a number is not finite.
+            RuntimeError: If ``reset`` has not been called, or the last one failed; with autoreset
+                disabled, if a world whose episode has ended was not reset.
+            PlacementError: If the next episode of a world cannot begin; call ``reset`` next.
         """
         actions = take_actions("the array of actions", actions, self._shape)
         mode, process = self.autoreset_mode, self._process
@@ -107,7 +112,7 @@ class _WorldsVectorEnv(VectorEnv):
         info: dict[str, Any] = {}
         if self._any_over and mode == AutoresetMode.SAME_STEP:
             info = self._final(outcome)
-            # rewards and ends stay those of the episodes that are over
+            # rewards and ends belong to the episodes that have just ended
             apart = map(np.empty_like, (reward, terminated, truncated))
             self._begin_next(self._over, Outcome(observation, numbers, *apart))
         if process.always:
@@ -121,18 +126,39 @@ class _WorldsVectorEnv(VectorEnv):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns of the observation of a HAV."""
+        """Return the names of the observation columns of a HAV."""
         return self._process.columns
 
+    def state(self) -> np.ndarray:
+        """Return the states of all worlds (W, S) float32, for critics: see ``CentralState``.
+
+        With same-step autoreset, a world whose episode has ended is in its next episode already.
+
+        Raises:
+            RuntimeError: If a world has no episode.
+        """
+        self._process.require_episodes("state")
+        return self._central.read_worlds()
+
+    @property
+    def single_state_space(self) -> spaces.Box:
+        """Return the space of the state of one world (S,)."""
+        return self._central.space
+
+    @functools.cached_property
+    def _central(self) -> CentralState:
+        """Return the reader of states, which is built at its first use."""
+        return CentralState(self._process.batch)
+
     def render(self) -> tuple[Any, ...] | None:
-        """Return what is seen of each world: frames (H, W, 3), or lines of text."""
+        """Return the picture of each world: a frame (H, W, 3) or a line of text."""
         if self.render_mode is None:
             return None
         self._process.require_episodes("render")
         return tuple(self._screen.show(w) for w in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Let go of the viewers."""
+        """Close the viewers."""
         self._screen.close()
 
     def _chosen(self, options: dict[str, Any] | None) -> np.ndarray:
@@ -152,7 +178,7 @@ class _WorldsVectorEnv(VectorEnv):
         return mask.copy()
 
     def _read_seeds(self, seed: Any) -> list[int | None]:
-        """Return the seed of each world, None where its episodes go on."""
+        """Return the seed of each world, None where its next episode follows."""
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, list | tuple | np.ndarray):
@@ -170,7 +196,7 @@ class _WorldsVectorEnv(VectorEnv):
         return [int(seed) + w for w in range(self.num_envs)]
 
     def _set_keys(self, seeds: list[int | None], chosen: np.ndarray) -> None:
-        """Set seed and number of the episodes that are about to begin."""
+        """Set seed and number of the episodes that begin next."""
         fresh = self._seeds is None
         if self._seeds is None:
             self._seeds = self.np_random.integers(SEED_LIMIT, size=self.num_envs)
@@ -193,14 +219,14 @@ class _WorldsVectorEnv(VectorEnv):
         self._screen.forget(chosen)
 
     def _info(self, numbers: np.ndarray, chosen: np.ndarray) -> dict[str, Any]:
-        """Return all numbers by name, with masks of the worlds that they are about."""
-        info = dict.fromkeys(self._told, chosen)
+        """Return all infos by name, with masks of the worlds that have them."""
+        info = dict.fromkeys(self._info_keys, chosen)
         info.update(zip(self._process.info, self._view.numbers(numbers), strict=True))
         return info
 
     def _final(self, outcome: Outcome) -> dict[str, Any]:
-        """Return what was seen and reported at the end of the episodes that are over."""
-        over = self._over.copy()  # the caller's, like all that is returned
+        """Return the last observations and infos of the episodes that have ended."""
+        over = self._over.copy()  # a copy: the caller owns all returned arrays
         observations = np.full(self.num_envs, None, object)
         for w in np.flatnonzero(over):
             observations[w] = self._view.observations(outcome.observation)[w].copy()
@@ -214,7 +240,7 @@ class _WorldsVectorEnv(VectorEnv):
 
 
 class HAVSwarmVectorEnv(_WorldsVectorEnv):
-    """W times ``HAVSwarmEnv``, step for step the same; info: arrays (W, N)."""
+    """W copies of ``HAVSwarmEnv`` with bit-equal results; info: arrays (W, N)."""
 
     def __init__(
         self,
@@ -228,15 +254,16 @@ class HAVSwarmVectorEnv(_WorldsVectorEnv):
         """Build the environments.
 
         Args:
-            num_envs: W.
-            autoreset_mode: when a world whose episode has ended begins the next one.
+            num_envs: Number of worlds W.
+            autoreset_mode: When a world begins its next episode after the end of one.
             render_mode: None, "rgb_array" or "ansi".
-            team_reward: as for ``HAVSwarmEnv``.
-            flatten: as for ``HAVSwarmEnv``.
-            settings: as for ``HAVSwarmEnv``.
+            team_reward: See ``HAVSwarmEnv``.
+            flatten: See ``HAVSwarmEnv``.
+            settings: See ``HAVSwarmEnv``.
 
         Raises:
-            ValueError, TypeError: naming the argument, its value and what is allowed.
+            ValueError, TypeError: If an argument is invalid; the message names it, its value and
+                the rule.
         """
         check_value("num_envs", Worlds, num_envs)
         process = DecisionProcess(num_envs, **settings)
@@ -245,7 +272,7 @@ class HAVSwarmVectorEnv(_WorldsVectorEnv):
 
 
 class HAVSingleVectorEnv(_WorldsVectorEnv):
-    """W times ``HAVSingleEnv``, step for step the same; info: arrays (W,)."""
+    """W copies of ``HAVSingleEnv`` with bit-equal results; info: arrays (W,)."""
 
     def __init__(
         self,
@@ -255,7 +282,7 @@ class HAVSingleVectorEnv(_WorldsVectorEnv):
         others: Any = None,
         **settings: Unpack[Settings],
     ) -> None:
-        """Build the environments; arguments as for ``HAVSwarmVectorEnv`` and ``HAVSingleEnv``."""
+        """Build the environments; arguments as in ``HAVSwarmVectorEnv`` and ``HAVSingleEnv``."""
         settings.setdefault("scenario", "paper-single")
         check_value("num_envs", Worlds, num_envs)
         process = DecisionProcess(num_envs, 1, others, **settings)

@@ -8,9 +8,9 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import seeding
 from pettingzoo import AECEnv, ParallelEnv
-from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
+from hav_env.envs.one_after_another import OneAfterAnother
 from hav_env.envs.screen import ENV_RENDER_MODES, RENDER_FPS
 from hav_env.envs.single_world import OfOneWorld, Sight, SingleWorld
 from hav_env.envs.views import action_box, observation_box
@@ -26,10 +26,10 @@ Observations = dict[str, np.ndarray]
 class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
     """Every HAV is an agent; all act at the same time.
 
-    Observations (D,), columns as in docs/environments.md; actions (2,): speed from 0 to maximum and
-    steering from right to left, each from -1 to 1; infos: numbers, the same names at every step.
-    By default a HAV that hit its last goal stays an agent and an obstacle, whose actions have no
-    effect, and all agents end together; with ``on_goal="remove"`` it is terminated.
+    Observations (D,), columns as in docs/environments.md. Actions (2,): speed from 0 to maximum and
+    steering from right to left, each from -1 to 1. Infos: numbers, with the same names at every
+    step. By default, a HAV that hit its last goal remains an agent and an obstacle. Its actions
+    have no effect, and all agents end together. With ``on_goal="remove"`` the agent is terminated.
     """
 
     metadata: ClassVar[dict[str, Any]] = {
@@ -49,13 +49,14 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
 
         Args:
             render_mode: None, "human", "rgb_array" or "ansi".
-            max_cycles: after how many actions an episode is truncated, in place of the task's
-                ``max_steps``, which counts the simulator's; not together with ``max_steps``.
-            settings: as of ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
+            max_cycles: Truncate an episode after this many actions. It replaces the task's
+                ``max_steps``, which counts simulator steps; do not pass both.
+            settings: See ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
                 task, its rules, vehicle, observation, reward, frame_skip, info.
 
         Raises:
-            ValueError, TypeError: naming the argument, its value and what is allowed.
+            ValueError, TypeError: If an argument is invalid; the message names it, its value and
+                the rule.
         """
         arguments: dict[str, Any] = dict(settings)
         if max_cycles is not None:
@@ -67,14 +68,14 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         self.possible_agents = [f"hav_{k}" for k in range(process.num_havs)]
         self.agents: list[str] = []
         self._places = {agent: k for k, agent in enumerate(self.possible_agents)}
-        # a space of its own for each agent, always the same object
+        # PettingZoo requires the same space object for an agent in every call
         self.observation_spaces = {agent: observation_box(process) for agent in self._places}
         self.action_spaces = {agent: action_box() for agent in self._places}
         self._state = CentralState(process.batch)
         self.state_space = self._state.space
         self._removes, self._always = process.batch.task.on_goal == REMOVE, process.always
         if self._removes:
-            process.report(always=True)  # an agent may end alone
+            process.report(always=True)  # a single agent may end before the others
         self.np_random, _ = seeding.np_random()
 
     def observation_space(self, agent: str) -> spaces.Box:
@@ -88,14 +89,14 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
     def reset(
         self, seed: int | None = None, options: dict | None = None
     ) -> tuple[Observations, dict[str, dict[str, float]]]:
-        """Begin an episode; a reset that is refused changes nothing.
+        """Begin an episode; an invalid reset raises an error and changes nothing.
 
         Args:
-            seed: begins with the first episode of this seed; None goes on to the next one.
-            options: as for ``SingleWorld.plan``.
+            seed: Start with the first episode of this seed; None continues with the next episode.
+            options: See ``SingleWorld.plan``.
 
         Raises:
-            ValueError, TypeError: naming what is wrong with seed or options.
+            ValueError, TypeError: If the seed or an option is invalid; the message names it.
         """
         plan = self._world.plan(seed, options, self.np_random)
         if seed is not None:
@@ -115,13 +116,15 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         dict[str, bool],
         dict[str, dict[str, float]],
     ]:
-        """Take one action of every agent; after the end, none and five empty dictionaries.
+        """Take one action of every agent.
+
+        After the end of an episode, pass no action; all five dictionaries are then empty.
 
         Raises:
-            TypeError: when the actions are no dictionary, or one is anything but real numbers.
-            ValueError: when an agent is unknown, has left or has no action, or when an action is
-                not two finite numbers.
-            RuntimeError: before the first ``reset``.
+            TypeError: If the actions are not a dictionary, or one does not consist of real numbers.
+            ValueError: If an agent is unknown, has left or has no action, or an action is not two
+                finite numbers.
+            RuntimeError: If ``reset`` has not been called.
         """
         agents = self.agents
         if not agents:
@@ -137,7 +140,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         if over or late:
             self.agents = []
         self._show()
-        return (  # a strict zip takes longer, see ``SingleWorld.name_numbers``
+        return (  # a strict zip is slower, see ``SingleWorld.name_numbers``
             dict(zip(agents, seen.observation.copy())),  # noqa: B905
             dict(zip(agents, seen.reward.tolist())),  # noqa: B905
             dict.fromkeys(agents, over),
@@ -148,7 +151,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
     def _let_leave(
         self, seen: Sight, over: bool, late: bool
     ) -> tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], dict]:
-        """Return what a step returns where agents end one by one; who left is not told of."""
+        """Return the results of a step of the present agents, which may end one by one."""
         names, agents, infos = self.possible_agents, self.agents, self._infos(seen)
         observations = dict(zip(names, seen.observation.copy(), strict=True))
         rewards = dict(zip(names, seen.reward.tolist(), strict=True))
@@ -166,7 +169,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         )
 
     def _gather(self, actions: dict[str, np.ndarray]) -> list[float]:
-        """Return the actions of all agents, one after the other; who has left does nothing."""
+        """Return the actions of all agents in order; agents that have left get a void action."""
         agents, numbers = self.agents, []
         if list(actions) != agents:
             self._check_agents(actions)
@@ -189,7 +192,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         return joint
 
     def _check_agents(self, actions: dict[str, np.ndarray]) -> None:
-        """Raise ValueError unless there is one action for each agent, and no other."""
+        """Raise ValueError unless the actions hold exactly one action for each agent."""
         for agent in actions:
             if agent not in self.agents:
                 known = ", ".join(self.agents) or "none"
@@ -203,37 +206,13 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         return dict(zip(self.possible_agents, named))  # noqa: B905
 
     def state(self) -> np.ndarray:
-        """Return what is the case in the whole world, in its own frame: see ``CentralState``.
+        """Return the global state of the world in the world's frame: see ``CentralState``.
 
         Raises:
-            RuntimeError: before the first ``reset``.
+            RuntimeError: If ``reset`` has not been called.
         """
         self._world.require_episode("state")
         return self._state.read()
-
-
-class _OneAfterAnother(parallel_to_aec_wrapper):
-    """The same environment for agents that act one after the other."""
-
-    @property
-    def np_random(self) -> np.random.Generator:
-        """Return the generator that draws seeds."""
-        return self.unwrapped.np_random
-
-    def step(self, action: Any) -> None:
-        """Take the action of the agent whose turn it is; None from one that has left.
-
-        Raises:
-            TypeError, ValueError: as of ``HAVSwarmParallelEnv.step``, at the turn of the agent.
-        """
-        agent = self.agent_selection
-        if not (self.terminations[agent] or self.truncations[agent]):
-            # a copy: the user may write the next action into the same array
-            action = _read_action(agent, action)
-        elif action is not None:
-            told = f"the action of {agent} is {show(action)}"
-            raise ValueError(f"{told}, but must be None: its episode has ended")
-        super().step(action)
 
 
 def _read_action(agent: str, action: Any) -> np.ndarray:
@@ -241,36 +220,80 @@ def _read_action(agent: str, action: Any) -> np.ndarray:
 
 
 def _steps_of(max_cycles: Any, arguments: dict[str, Any]) -> int:
-    """Return how many steps of the simulator are so many actions."""
+    """Return the number of simulator steps in ``max_cycles`` actions."""
     if "max_steps" in arguments:
         raise TypeError("max_cycles and max_steps were both given, but must be one or the other")
-    told = f"max_cycles is {show(max_cycles)}, but must be a whole number of at least 1"
+    message = f"max_cycles is {show(max_cycles)}, but must be a whole number of at least 1"
     if isinstance(max_cycles, bool) or not isinstance(max_cycles, numbers.Real):
-        raise TypeError(told)
+        raise TypeError(message)
     if not isinstance(max_cycles, numbers.Integral) or max_cycles < 1:
-        raise ValueError(told)
+        raise ValueError(message)
     frame_skip = arguments.get("frame_skip", 1)
-    # the decision process refuses what is no whole number
+    # the decision process raises the error for a frame_skip that is not a whole number
     return int(max_cycles) * (int(frame_skip) if isinstance(frame_skip, numbers.Integral) else 1)
 
 
 def parallel_env(
     render_mode: str | None = None, max_cycles: int | None = None, **settings: Unpack[Settings]
 ) -> HAVSwarmParallelEnv:
-    """Return the environment in which all agents act at the same time."""
+    """Return the environment in which all agents act at the same time.
+
+    The rules of the task are arguments too: ``parallel_env(on_goal="remove", dt=0.1)``.
+
+    Args:
+        render_mode: (default None) None, "human" (window), "rgb_array" or "ansi" (a line of text).
+        max_cycles: (default None) number of actions after which an episode is truncated. None
+            leaves this to ``max_steps``, which counts steps of the simulator.
+        scenario: (default "paper-pair") start poses, goals and HAVs: a name, the path of a JSON
+            file, ``module:Class`` or a model.
+        num_havs: (default None) number of agents. None is the scenario's own number.
+        site: (default None) obstacles and bounds for random poses: a ``Site`` or its file.
+        task: (default Task()) the rules of an episode; those below change single ones.
+        vehicle: (default OnAxle()) the kinematics: a model, ``module:Class`` or a name, "on_axle",
+            "limited", "off_axle" or "realistic".
+        observation: (default Observation()) columns that an agent observes.
+        reward: (default Reward()) terms and weights: a model, ``module:Class`` or a name.
+        frame_skip: (default 1) number of steps of the simulator that an action lasts.
+        safety: (default None) what a filter prevents: None, "jackknife", "collision" or "both".
+        threads: (default None) number of threads. None is ``HAV_THREADS``, or all cores.
+        info: (default "always") "ends" reports only at the end of an episode, which is faster.
+        guidance: (default Dubins()) ways to goals: a model, "dubins", "lattice", "witness",
+            "roads" or "feasible".
+        dt: (default 0.2) duration of a step [s].
+        distance_tolerance: (default 0.5) greatest distance at which a goal is hit [m].
+        heading_tolerance: (default 0.1) greatest difference in heading at which it is hit [rad].
+        goal_speed: (default inf) greatest speed at which a goal is hit [m/s].
+        max_steps: (default 20000) number of steps after which an episode is truncated.
+        sensing_range: (default 30.0) greatest gap across which HAVs sense each other [m].
+        next_goal: (default "together") "together" waits until all have hit theirs, "alone" not.
+        order: (default "at_once") the only order that environments take.
+        on_goal: (default "park") "park" keeps HAVs at last goals, "remove" ends their agents.
+        on_jackknife: (default "record") "end" terminates the episode at the first jackknife.
+        on_collision: (default "record") "end" terminates it at the first actual collision.
+        on_obstacle: (default "record") "end" terminates it when a HAV hits an obstacle.
+        continuous_collisions: (default False) whether collisions between steps count too.
+        record_every: (default 1) number of steps between two looks for events.
+        potential_center: (default 0.0) centre of footprints, as a share of the truck from its axle.
+        potential_truck_share: (default 0.0) share of the truck's length in potential collisions.
+
+    Raises:
+        ValueError: An argument has a value that is not allowed; the error names the rule.
+        TypeError: An argument is unknown or of another kind.
+        PlacementError: The scenario has no space for its HAVs, at ``reset``.
+    """
     return HAVSwarmParallelEnv(render_mode, max_cycles, **settings)
 
 
 def raw_env(
     render_mode: str | None = None, max_cycles: int | None = None, **settings: Unpack[Settings]
 ) -> AECEnv:
-    """Return the same as an environment in which agents act one after the other (AEC)."""
+    """Return the same for agents that act one after the other (AEC)."""
     parallel = parallel_env(render_mode, max_cycles, **settings)
-    return OrderEnforcingWrapper(_OneAfterAnother(parallel))
+    return OrderEnforcingWrapper(OneAfterAnother(parallel))
 
 
 def env(
     render_mode: str | None = None, max_cycles: int | None = None, **settings: Unpack[Settings]
 ) -> AECEnv:
-    """Return ``raw_env`` with checks that it is used in order."""
+    """Return ``raw_env`` with checks of the order of calls; arguments as of ``parallel_env``."""
     return OrderEnforcingWrapper(raw_env(render_mode, max_cycles, **settings))

@@ -10,17 +10,17 @@ from hav_env.models.checks import check_value
 
 
 def warn_of_unknown(options: dict[str, Any], known: tuple[str, ...]) -> None:
-    """Warn of options of a reset that are not known; they are ignored."""
+    """Warn of unknown options of a reset; the reset ignores them."""
     for name in sorted(set(options) - set(known), key=str):
-        told = f"reset ignores the option {name!r}; known: {', '.join(known)}"
-        warnings.warn(told, stacklevel=4)  # who called the environment's reset
+        message = f"reset ignores the option {name!r}; known: {', '.join(known)}"
+        warnings.warn(message, stacklevel=4)  # the caller of the environment's reset
 
 
 def read_options(options: Any) -> dict[str, Any]:
-    """Return the options of a reset that have a value.
+    """Return the options of a reset that are not None.
 
     Raises:
-        TypeError: when they are no dictionary, or a key is no string.
+        TypeError: If the options are not a dictionary, or a key is not a string.
     """
     if options is None:
         return {}
@@ -33,10 +33,10 @@ def read_options(options: Any) -> dict[str, Any]:
 
 
 def read_episode(episode: Any) -> int:
-    """Return the number of an episode that a reset asks for.
+    """Return the number of the episode that a reset selects.
 
     Raises:
-        ValueError, TypeError: naming the value and what is allowed.
+        ValueError, TypeError: If the value is invalid; the message names it and the rule.
     """
     check_value("episode", Seed, episode)
     return int(episode)

@@ -14,7 +14,7 @@ _DRAWN = ("human", "rgb_array")
 
 
 class Screen:
-    """Shows the worlds of a batch in one mode, with a viewer for each world that it shows."""
+    """Shows worlds of a batch in one mode, with one viewer for each shown world."""
 
     def __init__(
         self,
@@ -23,32 +23,34 @@ class Screen:
         modes: list[str] = ENV_RENDER_MODES,
         command: np.ndarray | None = None,
     ) -> None:
-        """Show nothing yet.
+        """Create no viewer yet.
 
         Args:
             render_mode: None, or one of ``modes``.
-            batch: the worlds.
-            modes: the modes that the environment knows.
-            command: (2, N, W) where what was commanded last will stand; None when unknown.
+            batch: The worlds.
+            modes: Modes that the environment supports.
+            command: (2, N, W) array that will hold the last commands; None if unknown.
 
         Raises:
-            ValueError: when the mode is not None or one of ``modes``.
-            ImportError: when the mode needs pygame-ce, which is missing.
+            ValueError: If the mode is neither None nor one of ``modes``.
+            ImportError: If the mode needs pygame-ce and it is not installed.
         """
         known = isinstance(render_mode, str) and render_mode in modes
         if render_mode is not None and not known:
-            told = f"render_mode is {show(render_mode)}"
-            raise ValueError(f"{told}, but must be None or one of {', '.join(modes)}")
+            message = f"render_mode is {show(render_mode)}"
+            raise ValueError(f"{message}, but must be None or one of {', '.join(modes)}")
         if render_mode in _DRAWN:
             import hav_env.rendering.viewer  # noqa: F401, PLC0415  see above
         self.render_mode, self._batch, self._command = render_mode, batch, command
+        self.caption: tuple[str, ...] = ()  # of the viewers that are made from now on
+        self.own: int | None = None  # number of the HAV that the user drives
         self._viewers: dict[int, Any] = {}
 
     def show(self, w: int = 0) -> np.ndarray | str | None:
-        """Return what is seen of a world: an array (H, W, 3), a line of text, or None (a window).
+        """Return the picture of a world: an array (H, W, 3), a line of text, or None (a window).
 
         Raises:
-            OSError: when there is no display for a window.
+            OSError: If there is no display for a window.
         """
         if self.render_mode is None:
             return None
@@ -63,11 +65,16 @@ class Screen:
         if w not in self._viewers:
             from hav_env.rendering.viewer import Viewer  # noqa: PLC0415
 
-            self._viewers[w] = Viewer(self.render_mode, frames_per_second=RENDER_FPS)
+            self._viewers[w] = Viewer(
+                self.render_mode,
+                frames_per_second=RENDER_FPS,
+                caption=self.caption,
+                own=self.own,
+            )
         return self._viewers[w].draw(scene)
 
     def forget(self, worlds: np.ndarray) -> None:
-        """Begin anew in the worlds (W,) that are true: no trails of the episode before."""
+        """Start new trails in the worlds (W,) that are true."""
         for w, viewer in self._viewers.items():
             if worlds[w]:
                 viewer.forget()

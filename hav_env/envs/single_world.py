@@ -1,4 +1,4 @@
-"""This module steps one world for environments: its resets, their options, its pictures."""
+"""This module steps one world for environments: resets, their options, rendering."""
 
 import copy
 import struct
@@ -19,24 +19,24 @@ from hav_env.simulator.beginning import begin
 from hav_env.world.arrays import ARTICULATION, SEED, SPEED, STEERING
 
 _HERE = np.ones(1, np.bool_)
-_WRITABLE = ("lengths", "start", "goals", "bends")  # options that are written into a world
+_WRITABLE = ("lengths", "start", "goals", "bends")  # options that set parts of a world
 
 
 class Plan(NamedTuple):
-    """An episode that may begin: everything about it has been checked."""
+    """An episode that is ready to begin: all its settings have been checked."""
 
     key: tuple[int, int]
     """Seed and number."""
     written: Explicit | None
-    """The scenario to begin, in place of a drawn one."""
+    """Explicit scenario that replaces the drawn one."""
 
 
 class Sight(NamedTuple):
-    """An outcome of one world; the next step or reset writes into the same arrays."""
+    """Outcome of one world; the next step or reset overwrites the same arrays."""
 
     observation: np.ndarray  # (C, D) float32
     info: np.ndarray  # (K, C)
-    rows: np.ndarray  # (C, K) the same
+    rows: np.ndarray  # (C, K) transposed view of info
     reward: np.ndarray  # (C,)
     terminated: np.ndarray  # (1,) bool
     truncated: np.ndarray  # (1,) bool
@@ -45,8 +45,7 @@ class Sight(NamedTuple):
 class SingleWorld:
     """A decision process of one world.
 
-    The first episode of seed s is number 0 of that seed, the next one number 1, and so on: the
-    pair (s, k) names the same episode as in a rollout.
+    Episode k of seed s, counted from 0, is the same episode as in a rollout.
     """
 
     def __init__(
@@ -60,13 +59,14 @@ class SingleWorld:
         """Build the world.
 
         Args:
-            render_mode: how the screen shows it.
-            controlled: as of ``DecisionProcess``.
-            others: as of ``DecisionProcess``.
-            **arguments: as of ``DecisionProcess``.
+            render_mode: Render mode of the screen.
+            controlled: See ``DecisionProcess``.
+            others: See ``DecisionProcess``.
+            **arguments: See ``DecisionProcess``.
 
         Raises:
-            ValueError, TypeError: naming the argument, its value and what is allowed.
+            ValueError, TypeError: If an argument is invalid; the message names it, its value and
+                the rule.
         """
         self.process = DecisionProcess(1, controlled, others, **arguments)
         self.screen = Screen(render_mode, self.process.batch, command=self.process.command)
@@ -75,7 +75,7 @@ class SingleWorld:
         self._allocate()
 
     def _allocate(self) -> None:
-        """Make the arrays of all steps: to make them anew takes as long as to copy from them."""
+        """Make the arrays of all steps once: creating them takes as long as copying from them."""
         self._outcome = outcome = self.process.outcome()
         self._actions = np.zeros((1, self.process.num_controlled, 2))
         self._write_actions = struct.Struct(f"{self._actions.size}d").pack_into
@@ -86,29 +86,30 @@ class SingleWorld:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave out views, for in a copy they would be arrays by themselves."""
+        """Leave out views: a copy would turn them into independent arrays."""
         own = ("_outcome", "_actions", "_write_actions", "_sight")
         return {name: value for name, value in self.__dict__.items() if name not in own}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Make them anew."""
+        """Create the views again."""
         self.__dict__ |= state
         self._allocate()
 
     def plan(
         self, seed: int | None, options: Mapping[str, Any] | None, generator: np.random.Generator
     ) -> Plan:
-        """Check what a reset was given and return which episode it asks for; nothing changes.
+        """Check the arguments of a reset and return the episode that they select; nothing changes.
 
         Args:
-            seed: asks for the first episode of this seed; None for the one after the last.
-            options: "episode": its number. "lengths", "start", "goals": as for ``explicit``, what
-                is to be instead of what the scenario draws. Others are ignored, with a warning.
-            generator: draws the seed when none was ever given.
+            seed: Select the first episode of this seed; None selects the one after the last.
+            options: "episode": number of the episode. "lengths", "start", "goals": values that
+                replace those of the scenario, as for ``explicit``. Others are ignored, with a
+                warning.
+            generator: Draws the seed if the user never passed one.
 
         Raises:
-            ValueError, TypeError: naming what is wrong with seed or options.
-            PlacementError: when the scenario has no room for HAVs of which only a part is written.
+            ValueError, TypeError: If the seed or an option is invalid; the message names it.
+            PlacementError: If the scenario cannot place the HAVs that the options do not place.
         """
         if seed is not None:
             check_seed(seed)
@@ -117,7 +118,8 @@ class SingleWorld:
         if seed is not None:
             key = int(seed), 0
         else:
-            if self._key is None:  # a refused reset does not draw again: the next one has this seed
+            # an invalid reset does not draw again: the next reset uses this seed
+            if self._key is None:
                 self._key = int(generator.integers(SEED_LIMIT)), -1
             key = self._key[0], self._key[1] + 1
         if "episode" in given:
@@ -129,7 +131,8 @@ class SingleWorld:
         """Begin an episode.
 
         Raises:
-            PlacementError: when the scenario has no room; the next reset takes the next number.
+            PlacementError: If the scenario cannot place the HAVs; the next reset takes the next
+                number.
         """
         self._key = plan.key
         keys = np.array([plan.key], np.int64).T
@@ -143,19 +146,19 @@ class SingleWorld:
         return self._sight
 
     def step(self, actions: list[float]) -> Sight:
-        """Take the actions of all HAVs, one after the other; finite.
+        """Take the actions of all HAVs in order; they must be finite.
 
         Raises:
-            RuntimeError: before the first episode has begun.
+            RuntimeError: If no episode has begun.
         """
         self._write_actions(self._actions.data, 0, *actions)
         self.process.step(self._actions, self._outcome)
         return self._sight
 
     def name_numbers(self, numbers: Iterable) -> dict[str, Any]:
-        """Return what is reported by name; to fill a copy takes less time than to build anew."""
+        """Return the infos by name; filling a copy is faster than building a new dictionary."""
         named = self._blank.copy()
-        # a strict zip takes longer: a tenth of the step, in all places without it
+        # a strict zip is slower: with it, a step would take about a tenth longer
         named.update(zip(self.process.info, numbers))  # noqa: B905
         return named
 
@@ -164,9 +167,9 @@ class SingleWorld:
         self.process.require_episodes(what)
 
     def _write(self, written: dict[str, Any], key: tuple[int, int]) -> Explicit:
-        """Return what an episode is with other lengths, start poses or goals."""
+        """Return the episode with other lengths, start poses or goals."""
         batch, scenario = self.process.batch, self.process.batch.scenario
-        # the episode is drawn beside the world, which stays as it is until all has been checked
+        # draw the episode in a copy: the world must not change before all checks have passed
         worlds, placed = copy.deepcopy(batch.worlds), np.zeros(1, np.bool_)
         worlds.state.clock[SEED:, 0] = key
         begin_worlds(1, scenario, batch.task, worlds, placed, threads=1)
@@ -194,33 +197,33 @@ class SingleWorld:
         if found.max_trailers > scenario.max_trailers:
             raise ValueError(
                 f"reset got a HAV with {found.max_trailers} trailers, but this environment has"
-                f" room for {scenario.max_trailers}"
+                f" space for {scenario.max_trailers}"
             )
         check_parts(found, batch.task, batch.vehicle)
         return found
 
 
 class OfOneWorld:
-    """The common part of environments of one world, whatever their interface."""
+    """Common part of environments with one world, whatever their interface."""
 
     _world: SingleWorld
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns of the observation of a HAV."""
+        """Return the names of the observation columns of a HAV."""
         return self._world.process.columns
 
     @property
     def scenario(self) -> Any:
-        """The scenario of the world: fleets, start poses and goal poses."""
+        """Return the scenario of the world: fleets, start poses and goal poses."""
         return self._world.process.batch.scenario
 
     def render(self) -> Any:
-        """Return what is seen: an array (H, W, 3), a line of text, or nothing (a window).
+        """Return the picture: an array (H, W, 3), a line of text, or None (a window).
 
         Raises:
-            RuntimeError: before the first ``reset``.
-            OSError: when there is no display for a window.
+            RuntimeError: If ``reset`` has not been called.
+            OSError: If there is no display for a window.
         """
         self._world.require_episode("render")
         return self._world.screen.show()

@@ -3,6 +3,7 @@
 Every HAV of every world is a row.
 """
 
+import functools
 import numbers
 from collections.abc import Iterable, Sequence
 from typing import Any, Unpack
@@ -14,6 +15,7 @@ from hav_env.envs.views import action_box, observation_box
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.actions import read_action
 from hav_env.mdp.buffers import Outcome
+from hav_env.mdp.central_state import CentralState
 from hav_env.mdp.decision_process import DecisionProcess, Settings
 from hav_env.simulator.batch import check_seed
 
@@ -21,7 +23,8 @@ try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError as error:
     message = (
-        "hav_env.envs.stable_baselines3 needs stable-baselines3: pip install 'hav_env[training]'"
+        "hav_env.envs.stable_baselines3 needs stable-baselines3:"
+        " run pip install -e '.[training]' in the clone"
     )
     raise ImportError(message) from error
 
@@ -29,10 +32,11 @@ except ImportError as error:
 class HAVVecEnv(VecEnv):
     """W worlds of N HAVs as W x N environments; row w N + k is HAV k of world w.
 
-    The rows of a world end together and begin the next episode at once. At the end of an episode,
-    and only then, a row's info holds the numbers of ``hav_env.mdp.info`` and the returns by term,
-    beside ``terminal_observation`` and ``TimeLimit.truncated``: a time-out is no failure, so its
-    value goes on. So the setting ``info`` changes nothing here.
+    The rows of a world end together and begin the next episode in the same step. The info of a row
+    is filled only at the end of an episode. It then holds the numbers of ``hav_env.mdp.info``, the
+    returns by term, ``terminal_observation`` and ``TimeLimit.truncated``. A time-out is not a
+    failure: learners bootstrap from the value of the last observation. The setting ``info``
+    therefore has no effect here.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": RENDER_FPS}  # noqa: RUF012
@@ -46,13 +50,14 @@ class HAVVecEnv(VecEnv):
         """Build the worlds.
 
         Args:
-            num_worlds: W.
+            num_worlds: Number of worlds W.
             render_mode: None or "rgb_array".
-            settings: as of ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
+            settings: See ``hav_env.mdp.decision_process.DecisionProcess``: scenario, num_havs,
                 task, its rules, vehicle, observation, reward, frame_skip.
 
         Raises:
-            ValueError, TypeError: naming the argument, its value and what is allowed.
+            ValueError, TypeError: If an argument is invalid; the message names it, its value and
+                the rule.
         """
         self.process = DecisionProcess(num_worlds, **settings)
         self.process.report(always=False)
@@ -65,12 +70,13 @@ class HAVVecEnv(VecEnv):
         super().__init__(rows, observation_box(self.process), action_box())
 
     def reset(self) -> np.ndarray:
-        """Begin an episode in every world; return what is seen, (rows, D).
+        """Begin an episode in every world; return the observations (rows, D).
 
-        After ``seed`` it is the first episode of each world's seed, otherwise the next one.
+        After ``seed``, each world starts with the first episode of its seed, otherwise with the
+        next one.
 
         Raises:
-            PlacementError: when a world has no room for its HAVs; ``reset`` must follow.
+            PlacementError: If a world cannot place its HAVs; call ``reset`` again.
         """
         worlds = self.process.num_worlds
         seeds = self._seeds[:: self.process.num_havs]
@@ -88,9 +94,9 @@ class HAVVecEnv(VecEnv):
         return outcome.observation.reshape(self.num_envs, -1)
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Take note of the actions (rows, 2)."""
-        told = read_action("the array of actions", actions, (self.num_envs, 2))
-        self._actions = told.reshape(self._actions.shape)
+        """Store the actions (rows, 2)."""
+        checked = read_action("the array of actions", actions, (self.num_envs, 2))
+        self._actions = checked.reshape(self._actions.shape)
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Take the actions; return observations, rewards, ends and infos of all rows."""
@@ -107,7 +113,7 @@ class HAVVecEnv(VecEnv):
         return outcome.observation.reshape(self.num_envs, -1), rewards, dones, infos
 
     def _sum_up(self, outcome: Outcome, w: int, infos: list[dict[str, Any]]) -> None:
-        """Write what is to be said of the episode that ended in a world."""
+        """Write the infos of the episode that ended in a world."""
         rows = outcome.info[:, :, w].T.tolist()
         for agent, row in enumerate(rows):
             info: dict[str, Any] = dict(zip(self.process.info, row, strict=True))
@@ -119,15 +125,32 @@ class HAVVecEnv(VecEnv):
         self.process.begin(self._keys[0], self._keys[1], chosen, outcome)
         self.screen.forget(chosen)
 
+    def state(self) -> np.ndarray:
+        """Return the states of all worlds (W, S) float32, for critics: see ``CentralState``.
+
+        A world whose episode has ended is in its next episode already.
+
+        Raises:
+            RuntimeError: If a world has no episode.
+        """
+        self.process.require_episodes("state")
+        return self._central.read_worlds()
+
+    @functools.cached_property
+    def _central(self) -> CentralState:
+        """Return the reader of states, which is built at its first use."""
+        return CentralState(self.process.batch)
+
     def arrays(self) -> dict[str, np.ndarray]:
         """Return all arrays that change from step to step, by name.
 
-        An environment of the same arguments, reset and filled with them, goes on bit for bit.
+        An environment with the same arguments that is reset and then filled with them continues bit
+        for bit.
         """
         return self.process.arrays() | {"keys": self._keys}
 
     def close(self) -> None:
-        """Let go of the viewers."""
+        """Close the viewers."""
         self.screen.close()
 
     def get_images(self) -> Sequence[np.ndarray | None]:
@@ -136,16 +159,16 @@ class HAVVecEnv(VecEnv):
         return [self.screen.show(w) for w in range(self.process.num_worlds)]  # type: ignore[misc]
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Let world w begin with the first episode of seed ``seed + w N`` at the next ``reset``.
+        """Make world w begin with the first episode of seed ``seed + w N`` at the next ``reset``.
 
-        World w of a run is world w - 1 of a run whose seed is N larger: for other episodes in every
-        run, take seeds that are ``num_envs`` apart.
+        World w of a run equals world w - 1 of a run whose seed is N larger. For different episodes
+        in every run, use seeds that are ``num_envs`` apart.
 
         Args:
-            seed: from 0 to 2**32 - ``num_envs``; None draws one.
+            seed: From 0 to 2**32 - ``num_envs``; None draws one.
 
         Raises:
-            ValueError, TypeError: when this is no seed, or that of the last row is too large.
+            ValueError, TypeError: If the seed is invalid, or the seed of the last row is too large.
         """
         if seed is None:
             seed = int(np.random.default_rng().integers(SEED_LIMIT - self.num_envs))
@@ -157,10 +180,10 @@ class HAVVecEnv(VecEnv):
         return self._seeds
 
     def set_options(self, options: Any = None) -> None:
-        """Take no options: there are none for a reset of these worlds.
+        """Raise an error for any option: a reset of these worlds has none.
 
         Raises:
-            ValueError: when there are some.
+            ValueError: If there are options.
         """
         given = options if isinstance(options, list) else [options]
         if any(given):
@@ -174,7 +197,7 @@ class HAVVecEnv(VecEnv):
         """Set an attribute of all rows.
 
         Raises:
-            ValueError: when ``indices`` leaves rows out.
+            ValueError: If ``indices`` leaves rows out.
         """
         self._require_all(indices)
         setattr(self, attr_name, value)
@@ -183,14 +206,14 @@ class HAVVecEnv(VecEnv):
         """Call a method once, for all rows, and return its result for each of them.
 
         Raises:
-            ValueError: when ``indices`` leaves rows out.
+            ValueError: If ``indices`` leaves rows out.
         """
         self._require_all(indices)
         result = getattr(self, method_name)(*args, **kwargs)
         return [result for _ in range(self.num_envs)]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Tell that no row is wrapped."""
+        """Return False for all rows: no row is wrapped."""
         return [False for _ in self._get_indices(indices)]
 
     def _require_all(self, indices: Any) -> None:
@@ -200,7 +223,7 @@ class HAVVecEnv(VecEnv):
             )
 
     def _get_indices(self, indices: Any) -> list[int]:
-        """Return the rows that are meant; raises ValueError or TypeError where there is none."""
+        """Return the selected rows; raise ValueError or TypeError for invalid indices."""
         if indices is None:
             return list(range(self.num_envs))
         rows = list(indices) if isinstance(indices, Iterable) else [indices]

@@ -1,4 +1,4 @@
-"""This module shows a decision process to Gymnasium: all HAVs as one actor, or the first one."""
+"""This module presents a decision process to Gymnasium: all HAVs as one agent, or the first HAV."""
 
 import functools
 import operator
@@ -35,13 +35,13 @@ def _flat(box: spaces.Box) -> spaces.Box:
 
 
 class JointView:
-    """All HAVs of a world are one actor: observation (N, D), action (N, 2), one reward."""
+    """All HAVs of a world as one agent: observation (N, D), action (N, 2), one reward."""
 
     def __init__(self, process: DecisionProcess, team_reward: Team, flatten: bool) -> None:
-        """Show a process; ``flatten`` makes spaces with one axis.
+        """Present a process; ``flatten`` makes spaces with one axis.
 
         Raises:
-            ValueError: when ``team_reward`` is not known; TypeError: when ``flatten`` is no bool.
+            ValueError: If ``team_reward`` is unknown; TypeError: if ``flatten`` is not a bool.
         """
         if not isinstance(team_reward, str) or team_reward not in get_args(Team):
             known = ", ".join(get_args(Team))
@@ -58,16 +58,16 @@ class JointView:
         self._flat = flatten
 
     def observation(self, observation: np.ndarray) -> np.ndarray:
-        """Return what is seen in one world, of (N, D): a copy."""
+        """Return a copy of the observation (N, D) of one world in the shape of the space."""
         seen = observation.copy()
         return seen.ravel() if self._flat else seen
 
     def observations(self, observation: np.ndarray) -> np.ndarray:
-        """Return (W, *shape of the space) of (W, N, D)."""
+        """Return the observations (W, N, D) as (W, *shape of the space)."""
         return observation.reshape(-1, *self._shape)
 
     def rewards(self, reward: np.ndarray) -> np.ndarray:
-        """Return (W,) of (N, W); one HAV is added after the other, whatever W is."""
+        """Return the team rewards (W,) of (N, W); HAVs are added in order, whatever W is."""
         if self.team_reward == "min":
             return reward.min(axis=0)
         total = reward[0] + reward[1] if len(reward) > 1 else reward[0].copy()
@@ -78,41 +78,41 @@ class JointView:
         return total
 
     def reward(self, reward: list[float]) -> float:
-        """Return the same for one world, of (N,): the same bits."""
+        """Return the team reward of one world, given (N,): bit-equal to ``rewards``."""
         if self.team_reward == "min":
             return min(reward)
         total = functools.reduce(operator.add, reward)
         return total if self.team_reward == "sum" else total / len(reward)
 
     def numbers(self, info: np.ndarray) -> np.ndarray:
-        """Return (K, W, N) of (K, N, W), the same memory."""
+        """Return the infos (K, N, W) as a view (K, W, N)."""
         return info.transpose(0, 2, 1)
 
 
 class EgoView:
-    """The first HAV of a world is the actor: observation (D,), action (2,)."""
+    """The first HAV of a world as the agent: observation (D,), action (2,)."""
 
     def __init__(self, process: DecisionProcess) -> None:
-        """Show a process."""
+        """Present a process."""
         self.observation_space = observation_box(process)
         self.action_space = action_box()
 
     def observation(self, observation: np.ndarray) -> np.ndarray:
-        """Return what is seen in one world, of (1, D): a copy."""
+        """Return a copy of the observation (1, D) of one world as (D,)."""
         return observation[0].copy()
 
     def observations(self, observation: np.ndarray) -> np.ndarray:
-        """Return (W, D) of (W, 1, D)."""
+        """Return the observations (W, 1, D) as (W, D)."""
         return observation[:, 0]
 
     def rewards(self, reward: np.ndarray) -> np.ndarray:
-        """Return (W,) of (1, W), the same memory."""
+        """Return the rewards (1, W) as a view (W,)."""
         return reward[0]
 
     def reward(self, reward: list[float]) -> float:
-        """Return the one of (1,)."""
+        """Return the reward of (1,)."""
         return reward[0]
 
     def numbers(self, info: np.ndarray) -> np.ndarray:
-        """Return (K, W) of (K, 1, W), the same memory."""
+        """Return the infos (K, 1, W) as a view (K, W)."""
         return info[:, 0]

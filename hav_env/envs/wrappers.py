@@ -1,4 +1,4 @@
-"""This module lets actions be in physical units: speed [m/s] and steering [rad]."""
+"""This module converts actions from physical units: speed [m/s] and steering [rad]."""
 
 from typing import Any
 
@@ -15,9 +15,9 @@ from hav_env.world.sensing import own_speed, own_steering
 
 
 class _Units:
-    """Turns m/s and rad into -1 to 1, by the limits of each HAV.
+    """Converts m/s and rad to [-1, 1] by the limits of each HAV.
 
-    The space holds what the HAV with the largest limits may do; others cut it to theirs.
+    The space covers the HAV with the largest limits; actions of other HAVs are clipped to theirs.
     """
 
     def __init__(self, env: HAVSwarmEnv | HAVSingleEnv | HAVSwarmParallelEnv) -> None:
@@ -42,10 +42,10 @@ class _Units:
         return spaces.Box(low.reshape(shape), high.reshape(shape), dtype=np.float64)
 
     def normalize(self, name: str, action: Any, shape: tuple[int, ...], hav: int = 0) -> np.ndarray:
-        """Return an action (..., 2) or (2 N,) from -1 to 1, of one HAV and those behind it.
+        """Return an action (..., 2) or (2 N,) from -1 to 1, for the HAVs from ``hav`` on.
 
         Raises:
-            TypeError, ValueError: as of ``read_action``, whose arguments the first three are.
+            TypeError, ValueError: See ``read_action``, which has the same first three arguments.
         """
         action = read_action(name, action, shape)
         pairs = action.reshape(-1, 2)
@@ -57,7 +57,7 @@ class PhysicalActions(gym.ActionWrapper):
     """HAVSwarm-v0 or HAVSingle-v0 with speed [m/s] and steering [rad] as actions."""
 
     def __init__(self, env: gym.Env) -> None:
-        """Wrap an environment, however deep it is wrapped already."""
+        """Wrap an environment, which may have other wrappers."""
         super().__init__(env)
         self._units = _Units(env.unwrapped)  # type: ignore[arg-type]
         assert isinstance(env.action_space, spaces.Box)
@@ -65,11 +65,11 @@ class PhysicalActions(gym.ActionWrapper):
 
     @property
     def actual(self) -> np.ndarray:
-        """(N, 2) speed [m/s] and steering [rad] of the last step: what the trucks made of it."""
+        """Return the executed speed [m/s] and steering [rad] of the last step, (N, 2)."""
         return self._units.actual()
 
     def action(self, action: Any) -> np.ndarray:
-        """Return the action that the environment takes."""
+        """Return the action in the units of the environment."""
         assert self.action_space.shape is not None
         return self._units.normalize("the action", action, self.action_space.shape)
 
@@ -86,7 +86,7 @@ class PhysicalParallelActions(BaseParallelWrapper):
 
     @property
     def actual(self) -> np.ndarray:
-        """(N, 2) speed [m/s] and steering [rad] of the last step: what the trucks made of it."""
+        """Return the executed speed [m/s] and steering [rad] of the last step, (N, 2)."""
         return self._units.actual()
 
     def action_space(self, agent: str) -> spaces.Box:

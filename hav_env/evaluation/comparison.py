@@ -1,5 +1,6 @@
 """This module compares policies on the same episodes: figures, and differences between policies."""
 
+import math
 import pathlib
 from typing import NamedTuple
 
@@ -15,6 +16,8 @@ from hav_env.evaluation.figures import (
 )
 from hav_env.evaluation.statistics import Interval, paired_difference
 from hav_env.models.text import visible
+
+_LONGEST_NAMED = 20  # characters of a name in the legend
 
 
 class Score(NamedTuple):
@@ -37,24 +40,89 @@ def score(names: list[str], tables: list[pa.Table]) -> list[list[Score]]:
         rows.append([Score(names[0], figure, measure(first, figure), None)])
         for name, table in zip(names[1:], tables[1:], strict=True):
             difference = paired_difference(episodes, figure_values(table, figure), reference)
+            if figure.percent:  # the normal interval of few episodes has more than 100 points
+                low, high = max(difference.low, -1.0), min(difference.high, 1.0)
+                difference = difference._replace(low=low, high=high)
             rows[-1].append(Score(name, figure, measure(table, figure), difference))
     return rows
 
 
-def compare(names: list[str], tables: list[pa.Table]) -> list[list[str]]:
+def compare(names: list[str], tables: list[pa.Table], dt: float = 0.2) -> list[list[str]]:
     """Return the rows of a comparison: figure, then each policy's value.
 
-    Behind every policy but the first stands how much it differs from the first on the same HAVs of
-    the same episodes, with its 95 % interval, and a star where that interval excludes zero.
+    Behind a value stands the half width of its 95 % interval, or the interval if the half width
+    would reach below 0 or above 100 %. A star marks a policy that differs from the first one on the
+    same HAVs of the same episodes. In parentheses are events that are no failures, such as
+    potential collisions.
+
+    Args:
+        names: of the policies.
+        tables: the episodes of each.
+        dt: duration of a step [s].
     """
     rows = [["", *names]]
     for scores in score(names, tables):
-        cells = []
-        for _, figure, measured, difference in scores:
-            behind = "" if difference is None else f"; {_signed(difference, figure)}"
-            cells.append(f"{measured.show(figure.percent)}{behind}")
+        figure = scores[0].figure
+        cells = [_show_value(one.measured, figure, dt) + _star(one) for one in scores]
+        rows.append([f"({figure.name})" if figure.harmless else figure.name, *cells])
+    return rows
+
+
+def compare_differences(names: list[str], tables: list[pa.Table]) -> list[list[str]]:
+    """Return the rows of a second table: how much each policy differs from the first one.
+
+    Differences are on the same HAVs of the same episodes, with their 95 % intervals and a star
+    where an interval excludes zero.
+    """
+    rows = [[f"less {names[0]}", *names[1:]]]
+    for scores in score(names, tables):
+        cells = [_show_difference(one.difference, one.figure) for one in scores if one.difference]
         rows.append([scores[0].figure.name, *cells])
     return rows
+
+
+def explain_comparison(names: list[str], company: bool) -> str:
+    """Return the legend of ``compare``, at most two lines of 80 characters.
+
+    Args:
+        names: of the policies.
+        company: whether there is more than one HAV in a world.
+    """
+    lines = ["95 % interval: ± wider half, or [low, high]"]
+    if len(names) > 1:
+        first = names[0] if len(names[0]) <= _LONGEST_NAMED else "the first policy"
+        lines[0] += f"; * differs from {visible(first)}"
+    if company:
+        lines.append("In parentheses: circles overlap, which is neither contact nor failure")
+    return "\n".join(f"{line}." for line in lines)
+
+
+def _show_value(measured: Interval, figure: Figure, dt: float) -> str:
+    if measured.size == 0:
+        return "-"
+    scale, unit = (100.0, " %") if figure.percent else (1.0, "")
+    value = scale * measured.value
+    half = scale * max(measured.high - measured.value, measured.value - measured.low)
+    most = 100.0 if figure.percent else math.inf
+    if figure.steps:
+        unit = f" steps ({measured.value * dt:,.0f} s)"
+    if not math.isfinite(half):  # of a single episode
+        return f"{value:,.{0 if figure.steps or figure.percent else 2}f}{unit}"
+    # two digits of what is uncertain
+    decimals = min(max(1 - math.floor(math.log10(half)), 0), 4) if half > 0 else 2
+    decimals = 0 if figure.steps else decimals
+    if half > 0 and not half <= value <= most - half:
+        bounds = (value, scale * measured.low, scale * measured.high)
+        shown, low, high = (f"{x:,.{0 if x in (0.0, most) else decimals}f}" for x in bounds)
+        return f"{shown} [{low}, {high}]{unit}"
+    return f"{value:,.{decimals}f} ± {half:,.{decimals}f}{unit}"
+
+
+def _star(one: Score) -> str:
+    difference = one.difference
+    if difference is None or difference.size == 0 or one.figure.harmless:
+        return ""
+    return "" if difference.low <= 0 <= difference.high else " *"
 
 
 def tabulate_scores(scores: list[list[Score]]) -> pa.Table:
@@ -75,16 +143,20 @@ def tabulate_scores(scores: list[list[Score]]) -> pa.Table:
     return pa.Table.from_pylist(rows)
 
 
-def _signed(difference: Interval, figure: Figure) -> str:
+def _show_difference(difference: Interval, figure: Figure) -> str:
     if difference.size == 0:
         return "no common HAVs"
     scale, unit = (100, " pp") if figure.percent else (1, "")
+    if difference.size == 1:  # of a single episode
+        return f"{difference.value * scale:+.3g}{unit}"
     low, value, high = (scale * x for x in (difference.low, difference.value, difference.high))
     star = "" if low <= 0 <= high else " *"
-    return f"{value:+.3g}{unit} [{low:+.3g}, {high:+.3g}]{star}"
+    form = "+,.0f" if figure.steps else "+.3g"
+    return f"{value:{form}}{unit} [{low:{form}}, {high:{form}}]{star}"
 
 
 def read_columns(path: pathlib.Path) -> pa.Table:
     """Read the columns that the figures need of a table on disk."""
-    kept = columns_of_figures(pq.read_schema(path).names)
-    return pq.read_table(path, columns=kept)
+    # pq.read_table would load the library of datasets, which is slow
+    with pq.ParquetFile(path) as file:
+        return file.read(columns_of_figures(file.schema_arrow.names))

@@ -1,7 +1,8 @@
 """This module makes the episode table of an evaluation: one row for each HAV and episode.
 
 A new column is one entry of ``COLUMNS``, ``GOAL_COLUMNS`` or ``MISS_COLUMNS``; docs/metrics.md
-tells what they mean. Tables of worlds with obstacles also have ``OBSTACLE_COLUMNS``.
+defines all columns. Tables of worlds with obstacles also have ``OBSTACLE_COLUMNS``, those of
+filtered policies ``FILTER_COLUMNS``.
 """
 
 from collections.abc import Callable, Iterable
@@ -11,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 
 from hav_env.evaluation.hav_records import HavRecords
+from hav_env.policies.filtered import Filtered
 from hav_env.world.arrays import (
     CLOSEST,
     DUBINS,
@@ -21,6 +23,7 @@ from hav_env.world.arrays import (
     HIT_DISTANCE,
     HIT_HEADING,
     HIT_STEP,
+    INTERVENTIONS,
     JACKKNIFE,
     LARGEST,
     MISS_DISTANCE,
@@ -40,17 +43,19 @@ from hav_env.world.task import Task
 class Column(NamedTuple):
     """A column of the table.
 
-    The functions take the records; those of a goal also its number g, from 0; those of a close
-    miss also its kind.
+    Its functions take the records. Those of a goal also take its number g, from 0; those of a close
+    miss also take its kind.
     """
 
     name: str
-    """"{goal}" stands for the number of the goal, from 1; "{kind}" for the kind of close miss."""
+    """Name, in which "{goal}" stands for the number of the goal, from 1, and "{kind}" for the kind
+    of close miss.
+    """
     unit: str
     values: Callable[..., Any]
-    """(R,) of every row."""
+    """Values (R,) of all rows."""
     known: Callable[..., np.ndarray] | None = None
-    """(R,) bool: the other rows have no value; None when all have one."""
+    """(R,) bool: rows that have a value; None if all have one."""
 
 
 def _poses(name: str, poses: Callable[..., np.ndarray]) -> tuple[Column, ...]:
@@ -63,7 +68,7 @@ def _poses(name: str, poses: Callable[..., np.ndarray]) -> tuple[Column, ...]:
 
 
 def _of_event(event: Event) -> tuple[Column, ...]:
-    """Return the columns of an event: whether, when and where it happened first."""
+    """Return the columns of an event: whether it happened, and when and where it first did."""
 
     def known(records: HavRecords) -> np.ndarray:
         return records.happened(event)
@@ -139,8 +144,14 @@ COLUMNS = (
     Column("largest_articulation", "rad", lambda records: records.total[:, LARGEST]),
     Column("folded_through", "bool", lambda records: records.total[:, LARGEST] > np.pi),
 )
-# of worlds that have obstacles
+# for worlds that have obstacles
 OBSTACLE_COLUMNS = _of_events(event for event in EVENTS if event.obstacles)
+# for policies whose commands pass the safety filter
+FILTER_COLUMNS = (
+    Column(
+        "interventions", "steps", lambda records: records.total[:, INTERVENTIONS].astype(np.int64)
+    ),
+)
 
 GOAL_COLUMNS = (
     *_poses("goal_{goal}", lambda records, g: records.goals[:, g]),
@@ -213,10 +224,11 @@ def tabulate(worlds: World, start: np.ndarray, policy, task: Task = Task()) -> p
     """Turn the records of ended episodes into rows, in the order of episodes and HAVs.
 
     Args:
-        worlds: the batch at the end of its episodes.
-        start: (N, 3, W) the start poses.
-        policy: whose jackknife weights are reported; the paper's for policies without.
-        task: the rules of the episodes.
+        worlds: Batch at the end of its episodes.
+        start: (N, 3, W) start poses.
+        policy: Policy whose jackknife weights are reported; the paper's weights for policies
+            without any.
+        task: The rules of the episodes.
     """
     records = HavRecords(worlds, start, policy, task)
     columns: dict[str, Any] = {}
@@ -229,7 +241,8 @@ def tabulate(worlds: World, start: np.ndarray, policy, task: Task = Task()) -> p
         columns[column.name.format(**words)] = values
 
     obstacles = OBSTACLE_COLUMNS if records.obstacles else ()
-    for column in (*COLUMNS, *obstacles):
+    filtered = FILTER_COLUMNS if isinstance(policy, Filtered) else ()
+    for column in (*COLUMNS, *obstacles, *filtered):
         add(column)
     for g in range(records.num_goals):
         for column in GOAL_COLUMNS:

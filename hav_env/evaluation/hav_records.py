@@ -24,32 +24,34 @@ class HavRecords:
     """R rows, in the order of episodes and HAVs; names and columns as in ``hav_env.world.arrays``.
 
     Attributes:
-        num_havs: of a world.
+        num_havs: Number of HAVs of a world.
         num_goals: G, of a HAV.
-        dt: duration of a step [s].
-        policy: whose jackknife weights are reported; the paper's for policies without.
-        clock: (4, R).
-        num_trailers: (R,).
-        length: (R, U) [m], 0 beyond the last unit.
-        offset: (R, U) how far behind each axle the next trailer is hitched [m], 0 for the last.
-        present: (R, U - 1) bool: the HAV has this trailer.
-        radius: (R, 2) [m].
+        dt: Duration of a step [s].
+        policy: Policy whose jackknife weights are reported; the paper's weights for policies
+            without any.
+        clock: (4, R) clock.
+        num_trailers: (R,) number of trailers.
+        length: (R, U) length of each unit [m], 0 beyond the last unit.
+        offset: (R, U) distance from each axle back to the hitch of the next trailer [m], 0 for the
+            last unit.
+        present: (R, U - 1) bool: whether the HAV has this trailer.
+        radius: (R, 2) radii [m].
         start: (R, 3) start poses.
         goals: (R, G, 3) goal poses.
-        first: (R, E, 2) of every event.
-        total: (R, 4).
-        goal: (R, G, 6).
-        miss: (R, G, 2, 3 + U - 1).
+        first: (R, E, 2) step and place of the first occurrence of every event.
+        total: (R, 4) running totals.
+        goal: (R, G, 6) records of goals.
+        miss: (R, G, 2, 3 + U - 1) records of close misses.
     """
 
     def __init__(self, worlds: World, start: np.ndarray, policy, task: Task) -> None:
         """Arrange the records.
 
         Args:
-            worlds: the batch at the end of its episodes.
-            start: (N, 3, W) the start poses.
-            policy: whose jackknife weights are reported.
-            task: the rules.
+            worlds: Batch at the end of its episodes.
+            start: (N, 3, W) start poses.
+            policy: Policy whose jackknife weights are reported.
+            task: Rules of the episode.
         """
         self.num_havs, self._num_worlds = worlds.state.x.shape
         self.num_goals = worlds.goals.shape[1]
@@ -68,67 +70,67 @@ class HavRecords:
         self.miss = self._rows(worlds.record.miss)
 
     def _rows(self, values: np.ndarray) -> np.ndarray:
-        """(N, ..., W) -> (W * N, ...)."""
+        """Reshape (N, ..., W) to (W * N, ...)."""
         shape = self._num_worlds * self.num_havs, *values.shape[1:-1]
         # contiguous: NumPy's order of summation, and so the last bit, depends on the layout
         return np.ascontiguousarray(np.moveaxis(values, -1, 0)).reshape(shape)
 
     @property
     def hav(self) -> np.ndarray:
-        """(R,) number of the HAV in its world."""
+        """Return the number of each HAV in its world, (R,)."""
         return np.tile(np.arange(self.num_havs), self._num_worlds)
 
     @functools.cached_property
     def vehicle_length(self) -> np.ndarray:
-        """(R,) from the front axle to the last one of a straight HAV [m]."""
+        """Return the length (R,) from the front axle to the last axle of the straight HAV [m]."""
         return self.length.sum(axis=1) + self.offset.sum(axis=1)
 
     @functools.cached_property
     def hitch_places(self) -> np.ndarray:
-        """(R, U) how far behind a straight HAV's front axle the hitch of each unit is [m]."""
+        """Return the distance (R, U) from a straight HAV's front axle to each unit's hitch [m]."""
         return np.cumsum(self.length, axis=1) + np.cumsum(self.offset, axis=1)
 
     @property
     def obstacles(self) -> bool:
-        """There are obstacles to collide with."""
+        """Return whether the worlds have obstacles."""
         return len(events_in(self.first)) == len(EVENTS)
 
     def happened(self, event: Event) -> np.ndarray:
-        """(R,) bool: the event has happened to the HAV."""
+        """Return whether an event has happened to each HAV, (R,) bool."""
         return happened(self.first, event)
 
     def joint_of(self, event: Event) -> np.ndarray:
-        """(R,) the joint at which an event happened, 1 where it never did."""
+        """Return the joint (R,) of an event; 1 if the event never happened."""
         return np.where(self.happened(event), self.first[:, event.row, WHERE], 1)
 
     @functools.cached_property
     def length_differences(self) -> np.ndarray:
-        """(R, U - 1) |l^j - l^{j-1}| at every joint [m], 0 beyond the last."""
+        """Return |l^j - l^{j-1}| (R, U - 1) at every joint [m], 0 beyond the last."""
         return np.where(self.present, np.abs(np.diff(self.length, axis=1)), 0.0)
 
     def at_joint(self, values: np.ndarray, joint: np.ndarray) -> np.ndarray:
-        """(R,) of values (R, joints) the one of a joint (R,), which counts from 1."""
+        """Return from values (R, joints) the one (R,) at a joint (R,), which counts from 1."""
         return values[np.arange(len(joint)), joint - 1]
 
     def hit(self, g: int) -> np.ndarray:
-        """(R,) bool: the HAV has hit goal g, from 0."""
+        """Return whether each HAV has hit goal g, from 0: (R,) bool."""
         return self.goal[:, g, HIT_STEP] != NEVER
 
     def assigned(self, g: int) -> np.ndarray:
-        """(R,) bool: goal g was under way at some time."""
+        """Return whether goal g was ever under way: (R,) bool."""
         return ~np.isnan(self.goal[:, g, DUBINS])
 
     def driven(self, g: int) -> np.ndarray:
-        """(R,) path from where goal g was assigned to its hit [m]."""
+        """Return the path (R,) from the assignment of goal g to its hit [m]."""
         before = self.goal[:, g - 1, HIT_PATH] if g > 0 else np.zeros(len(self.goal))
         return self.goal[:, g, HIT_PATH] - before
 
     def misses(self, g: int, kind: int) -> np.ndarray:
-        """(R,) in how many steps the HAV was in a close miss of goal g."""
+        """Return the number of steps (R,) with a close miss of goal g."""
         return self.miss[:, g, kind, MISS_COUNT].astype(np.int64)
 
     def miss_weight(self, g: int, kind: int) -> np.ndarray:
-        """(R,) sum of the jackknife weights of all joints at the narrowest close miss."""
+        """Return the sum (R,) of all joints' jackknife weights at the narrowest close miss."""
         bends = self.miss[:, g, kind, MISS_ARTICULATION:]
         weights = joint_weights(self.policy, np.cos(bends))
         return np.where(self.present, weights, 0.0).sum(axis=1)

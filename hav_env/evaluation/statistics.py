@@ -1,8 +1,8 @@
 """This module computes confidence intervals of shares and means, clustered by episode.
 
 The HAVs of one episode are not independent: two HAVs of a pair always share a collision. Intervals
-therefore take episodes as the units that are sampled, and HAVs as their clusters. Paired
-differences are those between policies on the same episodes.
+therefore sample episodes as clusters of HAVs. Paired differences compare policies on the same
+episodes.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 _Z = 1.959963984540054  # 95 %, two-sided
-_COLLIDING = 2.0  # HAVs that share a collision
+_COLLIDING = 2.0  # number of HAVs that share a collision
 
 
 class Interval(NamedTuple):
@@ -21,20 +21,22 @@ class Interval(NamedTuple):
     low: float
     high: float
     size: int
-    """Number of observations: of HAVs, or of episodes in paired differences."""
+    """Number of observations: HAVs, or episodes in paired differences and ratios."""
     design_effect: float = 1.0
-    """Variance of the value over that of as many independent observations, at least 1."""
+    """Ratio of the value's variance to that of independent observations of the same number, at
+    least 1.
+    """
 
     @property
     def effective_size(self) -> float:
-        """The number of independent observations that tell as much."""
+        """Return the number of independent observations with the same information."""
         return self.size / self.design_effect
 
     def show(self, percent: bool) -> str:
-        """Write the interval as text, for instance ``86.7 % [85.7, 87.7]``.
+        """Return the interval as text, for instance ``86.7 % [85.7, 87.7]``.
 
         Args:
-            percent: whether the value is a share, to be written in percent.
+            percent: Whether the value is a share, to write in percent.
         """
         if self.size == 0:
             return "-"
@@ -44,24 +46,25 @@ class Interval(NamedTuple):
 
 
 def design_effect(values: np.ndarray, episodes: np.ndarray) -> float:
-    """Return how many times the variance of the mean exceeds that of independent HAVs.
+    """Return the ratio of the variance of the mean to that of independent HAVs.
 
     A mean over HAVs is a ratio of two totals over episodes: of the values and of the HAVs. Its
     variance is ``sum_k (sum_i (v_ki - mean))^2 / size^2`` (Kish 1965; for shares Rao & Scott 1992).
-    That of independent HAVs is ``sum_ki (v_ki - mean)^2 / size^2``. The design effect is their
-    quotient. Both leave out the factor n / (n - 1), as Wilson's interval does.
+    The variance for independent HAVs is ``sum_ki (v_ki - mean)^2 / size^2``. The design effect is
+    the ratio of the two. Both omit the factor n / (n - 1), as Wilson's interval does.
 
     - With one HAV in every episode it is exactly 1.
-    - Below 1 it is clipped at 1. The estimate scatters around 1 where HAVs are independent, and an
-      interval must not be narrower by chance. HAVs that exclude each other's success are rare, and
-      then the interval is somewhat too wide.
-    - Values that are all equal do not tell it. Then it is 2, the number of HAVs that share a
-      collision, or less where episodes have fewer. It does not cover what stops a whole swarm.
+    - Values below 1 are clipped to 1. For independent HAVs the estimate scatters around 1, and an
+      interval must not be narrower by chance. HAVs that exclude each other's success are rare;
+      their interval is then somewhat too wide.
+    - If all values are equal, the data do not determine the design effect. It is then 2, the number
+      of HAVs that share a collision, or less if episodes have fewer HAVs. It does not cover causes
+      that stop a whole swarm.
     - A single episode is one observation.
 
     Args:
         values: (R,) values of HAVs, all finite; 0 or 1 for shares.
-        episodes: (R,) the episode of each value.
+        episodes: (R,) episode of each value.
     """
     _, group, sizes = np.unique(episodes, return_inverse=True, return_counts=True)
     if sizes.max(initial=1) == 1:
@@ -73,7 +76,7 @@ def design_effect(values: np.ndarray, episodes: np.ndarray) -> float:
     deviation = values - values.mean()
     totals = np.bincount(group, weights=deviation)
     effect = np.sum(totals * totals) / np.sum(deviation * deviation)
-    # the upper bound holds by Cauchy-Schwarz, so it cuts rounding only
+    # the upper bound holds by Cauchy-Schwarz, so it removes rounding errors only
     return float(np.clip(effect, 1.0, sizes.max()))
 
 
@@ -81,14 +84,15 @@ def wilson(successes: int, size: int, design_effect: float = 1.0) -> Interval:
     """Return a proportion with its Wilson score interval (Wilson 1927).
 
     Args:
-        successes: number of observations that are successes.
-        size: number of observations.
-        design_effect: of the observations, at least 1. The interval is that of
-            ``size / design_effect`` independent observations (Rao & Scott 1992). A published count
-            without episodes has an unknown one; the same figure measured here is its best estimate.
+        successes: Number of observations that are successes.
+        size: Number of observations.
+        design_effect: Design effect of the observations, at least 1. The interval is that of ``size
+            / design_effect`` independent observations (Rao & Scott 1992). A published count without
+            episodes has an unknown design effect; the one of the same figure measured here is its
+            best estimate.
 
     Raises:
-        ValueError: when the design effect is below 1 or not finite.
+        ValueError: If the design effect is below 1 or not finite.
     """
     if not 1.0 <= design_effect < math.inf:
         raise ValueError(f"design_effect is {design_effect}, but must be at least 1 and finite")
@@ -107,20 +111,20 @@ def proportion(values: np.ndarray, episodes: np.ndarray) -> Interval:
 
     Args:
         values: (R,) 1 or True for HAVs that count, 0 or False for others.
-        episodes: (R,) the episode of each HAV.
+        episodes: (R,) episode of each HAV.
     """
     effect = design_effect(values, episodes)
     return wilson(int(values.sum()), values.size, effect)
 
 
 def proportions_agree(one: Interval, other: Interval) -> bool:
-    """Tell whether two independent proportions may be equal, at 95 %.
+    """Return whether two independent proportions may be equal, at 95 %.
 
     The interval of their difference is Newcombe's (1998, method 10), from both Wilson intervals.
 
     Args:
-        one: a proportion, of ``wilson`` or ``proportion``.
-        other: another one, of other episodes.
+        one: A proportion from ``wilson`` or ``proportion``.
+        other: Another proportion, from other episodes.
     """
     difference = one.value - other.value
     below = math.hypot(one.value - one.low, other.high - other.value)
@@ -131,14 +135,14 @@ def proportions_agree(one: Interval, other: Interval) -> bool:
 def standardized_difference(one: Interval, other: Interval) -> float:
     """Return ``one - other`` in standard errors, for two independent proportions.
 
-    The standard error is that of equal shares: pooled, each weighed by its effective size. It is
-    above 0 when one share is 0. If the two are equal, the square is chi-square distributed with one
-    degree of freedom, for effective sizes that are large. It is the score test, not Newcombe's
-    interval, so the two may differ when the evidence is marginal.
+    The standard error is that of equal shares: pooled, with effective sizes as weights. It is above
+    0 when one share is 0. If the two are equal, the square is chi-square distributed with one
+    degree of freedom, for large effective sizes. It is the score test, not Newcombe's interval, so
+    the two may differ when the evidence is marginal.
 
     Args:
-        one: a proportion, of ``wilson`` or ``proportion``.
-        other: another one, of other episodes.
+        one: A proportion from ``wilson`` or ``proportion``.
+        other: Another one, of other episodes.
 
     Returns:
         The difference; 0 when both shares are 0 or both are 1, nan when one has no observations.
@@ -154,12 +158,12 @@ def standardized_difference(one: Interval, other: Interval) -> float:
 
 
 def mean(values: np.ndarray, episodes: np.ndarray | None = None) -> Interval:
-    """Return a mean with its normal 95 % interval; what is not finite is left out.
+    """Return the mean of the finite values with its normal 95 % interval.
 
     Args:
-        values: (R,) values; nan where there is none.
-        episodes: (R,) the episode of each value, by which the interval is clustered; None when the
-            values are independent.
+        values: (R,) values; nan for missing values.
+        episodes: (R,) episode of each value, which clusters the interval; None if the values are
+            independent.
     """
     known = np.isfinite(values)
     values = values[known]
@@ -176,15 +180,35 @@ def mean(values: np.ndarray, episodes: np.ndarray | None = None) -> Interval:
     return Interval(centre, centre - half, centre + half, values.size, effect)
 
 
+def ratio(parts: np.ndarray, wholes: np.ndarray) -> Interval:
+    """Return the ratio of two totals over worlds with its normal 95 % interval.
+
+    It is a ratio estimator (Cochran 1977, section 6.4) with worlds as the sampled units. With few
+    worlds the interval is too narrow; with one world there is none.
+
+    Args:
+        parts: (W,) part of each world, for instance the time of its HAVs.
+        wholes: (W,) whole of each world, above 0 in total, for instance the shortest time.
+    """
+    if parts.size == 0:
+        return Interval(math.nan, math.nan, math.nan, 0)
+    value, half = float(parts.sum() / wholes.sum()), math.inf
+    if parts.size > 1:
+        residual = parts - value * wholes
+        scale = parts.size / (parts.size - 1)
+        half = _Z * math.sqrt(scale * float(np.sum(residual * residual))) / float(wholes.sum())
+    return Interval(value, value - half, value + half, parts.size)
+
+
 def paired_difference(episodes: np.ndarray, ours: np.ndarray, theirs: np.ndarray) -> Interval:
     """Return the mean of ``ours - theirs`` with its 95 % interval.
 
-    The HAVs of one episode depend on each other, so an episode counts as one observation: the mean
-    over those of its HAVs for which both values exist.
+    The HAVs of one episode depend on each other, so an episode counts as one observation. It is the
+    mean over those of its HAVs that have both values.
 
     Args:
-        episodes: (R,) the episode of each row.
-        ours: (R,) values; nan where there is none.
+        episodes: (R,) episode of each row.
+        ours: (R,) values; nan for missing values.
         theirs: (R,) values of the same HAVs in the same episodes.
     """
     difference = ours.astype(float) - theirs.astype(float)

@@ -1,17 +1,17 @@
 """This module makes a lattice: lengths of the drives to one goal pose among the walls of a site.
 
-The truck drives forward only, straight ahead or on circles of one radius to either side. A drive is
-that of its rear axle, round which a disc of ``Lattice.clearance`` touches no wall.
+The truck drives forward only, straight ahead or on circles of one radius to either side. A disc of
+radius ``Lattice.clearance`` around its rear axle touches no wall along a drive.
 
-Guaranteed: from the pose of every node that is reached a drive of exactly its length ends in the
+Guaranteed: from the pose of every reached node, a drive of exactly the node's length ends in the
 goal pose and keeps the clearance. A node's pose is somewhere in its cell. The table refers to the
-middle of the cell instead: it adds how far the pose is ahead. So lengths are approximate between
-nodes. Where nodes are direct, they are those of Dubins paths that keep clear.
+middle of the cell: it adds the distance by which the pose is ahead of the middle. So lengths are
+approximate between nodes. Around direct nodes, they are those of Dubins paths that keep clear.
 
-Not guaranteed: that the lengths are the shortest (each cell keeps one pose), that a pose which is
-not reached has no way to the goal, and anything about bodies. A disc of ``clearance_of`` holds all
-bodies on the steady circle, but what is ahead of the axle at the goal, behind it at the start, or
-swings out in between, it need not hold.
+Not guaranteed: the lengths need not be the shortest, because each cell keeps one pose. An unreached
+pose may have a path to the goal. Bodies may touch walls. A disc of ``clearance_of`` holds all
+bodies on the steady circle. It need not hold bodies ahead of the axle at the goal, behind it at the
+start, or swinging out in between.
 """
 
 from typing import Annotated, NamedTuple
@@ -32,10 +32,12 @@ from hav_env.maths.geometry import TWO_PI
 from hav_env.models.annotations import Range
 from hav_env.models.checks import check_fields, check_relations, check_value, require
 from hav_env.models.memory import check_memory
-from hav_env.models.quantities import Coordinate, Distance, Heading
+from hav_env.models.quantities import Coordinate, Distance, Heading, Widening
 
 Radius = Annotated[float, Range(0.01, 1e6, "m")]
-_BYTES_OF_NODE = 40.0  # while it is searched
+_BYTES_OF_NODE = 40.0  # during the search
+BYTES_IN_TABLE = 8  # of a node: length, side, steps, offset
+OFFSETS = 254.0  # units of ``LatticeTable.offset`` in the side of a cell
 _MOST_NODES = 2**31 - 1
 
 
@@ -43,26 +45,30 @@ class Lattice(NamedTuple):
     """A lattice of poses for guidance among walls; one table of lengths for each goal pose."""
 
     cell: Annotated[float, Range(0.1, 100.0, "m")] = 2.0
-    """Side of the cells in x and y [m]; at most 1.4 times the clearance, so that lengths from both
-    sides of a wall are never mixed."""
+    """Side of the cells in x and y [m], at most 1.4 times the clearance. So interpolation never
+    mixes lengths from both sides of a wall."""
     headings: Annotated[int, Range(8, 360)] = 32
-    """Number of headings. Each drive turns by one of them, or goes straight as far."""
-    clearance: Annotated[float, Range(0.1, 1e3, "m")] = 2.0
-    """Distance [m] that the truck's rear axle keeps from walls; see ``clearance_of``."""
+    """Number of headings. Each drive turns by one heading, or goes straight with equal length."""
+    clearance: Annotated[float, Range(0.1, 1e3, "m")] = 1.5
+    """Distance of the truck's rear axle from walls [m]; see ``clearance_of``."""
+    widening: Widening = 1.2
+    """Turning radius over the least radius that a HAV can drive for good, in simulations.
+    ``find_lengths`` takes the radius itself."""
     direct: Distance = 60.0
-    """Length [m] up to which Dubins paths that keep clear count. They make lengths exact where the
-    goal is in sight. The time to look for them grows with its square; 0 for none."""
+    """Greatest length of Dubins paths [m] that replace drives if they keep clear; 0 for none. They
+    make lengths exact near the goal. The time of the search for them grows with its square."""
 
 
 class LatticeTable(NamedTuple):
     """Lengths of drives to one goal pose, read by ``hav_env.guidance.lookup``."""
 
     length: np.ndarray  # (ny, nx, H) float32, from the middle of each cell [m]; inf: not reached
-    side: np.ndarray  # (ny, nx, H) int8, to which the drive begins, see ``Nodes``
-    steps: np.ndarray  # (ny, nx, H) uint8, how many steps it stays on that side
-    goal: np.ndarray  # (3,) x, y [m], heading [rad], which is that of the first heading cell
+    side: np.ndarray  # (ny, nx, H) int8, of the first turn, see ``Nodes``
+    steps: np.ndarray  # (ny, nx, H) uint8, number of drives on that side
+    offset: np.ndarray  # (ny, nx, H, 2) int8, the node's pose in x and y, see ``OFFSETS``
+    goal: np.ndarray  # (3,) x, y [m], heading [rad], the first of the headings
     radius: float
-    """Of the turns [m]."""
+    """Turning radius [m]."""
     grid: Grid
 
 
@@ -80,19 +86,19 @@ def find_lengths(
     radius: float,
     bounds: tuple[float, float, float, float] | None = None,
 ) -> LatticeTable:
-    """Return the lengths of drives to a goal pose from everywhere in a rectangle.
+    """Return the lengths of drives to a goal pose from all cells of a rectangle.
 
     Args:
         lattice: sizes of cells, clearance.
         segments: (S, 4) walls, x1, y1, x2, y2 [m].
         goal: x, y [m] and heading [rad].
-        radius: of all turns [m].
+        radius: turning radius [m].
         bounds: x and y [m] of the rectangle's south-western corner, then of its north-eastern one;
-            by default the least one that holds the segments and the goal.
+            by default the smallest rectangle that holds the segments and the goal.
 
     Raises:
-        TypeError: when an argument is of another kind.
-        ValueError: when a value is not allowed.
+        TypeError: If an argument has another type.
+        ValueError: If an argument is out of range.
     """
     return table_of(
         lattice, *search(lattice, *check_arguments(lattice, segments, goal, radius, bounds))
@@ -112,12 +118,12 @@ def check_arguments(
         lattice: sizes of cells, clearance.
         segments: (S, 4) walls [m].
         goal: x, y [m] and heading [rad].
-        radius: of all turns [m].
+        radius: turning radius [m].
         bounds: as in ``find_lengths``.
 
     Raises:
-        TypeError: when an argument is of another kind.
-        ValueError: when a value is not allowed.
+        TypeError: If an argument has another type.
+        ValueError: If an argument is out of range.
     """
     check_fields("lattice", lattice)
     check_value("radius", Radius, radius)
@@ -141,14 +147,14 @@ def check_arguments(
 
 
 def check_size(lattice: Lattice, bounds: tuple[float, float, float, float]) -> None:
-    """Check that the table of a rectangle is not too large.
+    """Check that the table of a rectangle fits into memory.
 
     Args:
         lattice: sizes of cells.
         bounds: the rectangle [m].
 
     Raises:
-        ValueError: when it needs more memory than there is, or has more than 2**31 - 1 nodes.
+        ValueError: If it needs more memory than the machine has, or more than 2**31 - 1 nodes.
     """
     _, rows, columns = lay_grid(bounds, lattice.cell)
     count = rows * columns * lattice.headings
@@ -165,13 +171,13 @@ def search(
     radius: float,
     bounds: tuple[float, float, float, float],
 ) -> tuple[Walls, Drives, Nodes, np.ndarray]:
-    """Return the walls, the drives, the nodes that they reach, and the goal.
+    """Search the lattice; return the walls, the drives, the nodes and the goal.
 
     Args:
         lattice: sizes of cells, clearance.
         segments: (S, 4) walls [m].
         goal: (3,) x, y [m] and heading [rad].
-        radius: of all turns [m].
+        radius: turning radius [m].
         bounds: the rectangle [m].
     """
     grid, rows, columns = lay_grid(bounds, lattice.cell)
@@ -193,7 +199,7 @@ def search(
 
 
 def _allocate_nodes(count: int) -> Nodes:
-    """Return nodes of which none is reached."""
+    """Return unreached nodes."""
     return Nodes(
         np.full(count, np.inf),
         *(np.zeros(count), np.zeros(count)),
@@ -203,7 +209,7 @@ def _allocate_nodes(count: int) -> Nodes:
 
 
 def _is_free(segments: np.ndarray, goal: np.ndarray, clearance: float) -> bool:
-    """Tell whether the goal keeps clear of all segments."""
+    """Return whether the goal keeps clear of all segments."""
     here = Grid(goal[0] - 0.5, goal[1] - 0.5, 1.0)
     return bool(measure_gaps(segments, here, 1, 1)[0, 0] >= clearance)
 
@@ -213,8 +219,8 @@ def drives_of(lattice: Lattice, heading: float, radius: float) -> Drives:
 
     Args:
         lattice: number of headings, clearance.
-        heading: of the goal, the first heading [rad].
-        radius: of the turns [m].
+        heading: heading of the goal, the first heading [rad].
+        radius: turning radius [m].
     """
     turn = TWO_PI / lattice.headings
     angles = heading + turn * np.arange(lattice.headings)
@@ -234,13 +240,13 @@ def drives_of(lattice: Lattice, heading: float, radius: float) -> Drives:
 def table_of(
     lattice: Lattice, site: Walls, drives: Drives, nodes: Nodes, goal: np.ndarray
 ) -> LatticeTable:
-    """Return the lengths from the middle of the cells: a pose ahead of it is so much nearer.
+    """Return the table of a search, with the lengths from the middle of each cell.
 
     Args:
         lattice: number of headings.
         site: the walls and the grid.
         drives: from node to node.
-        nodes: as the search left them.
+        nodes: nodes after the search.
         goal: (3,) x, y [m] and heading [rad].
     """
     rows, columns = site.gaps.shape
@@ -248,8 +254,12 @@ def table_of(
     middle_x = grid.x + grid.cell * (np.arange(columns) + 0.5)
     middle_y = grid.y + grid.cell * (np.arange(rows) + 0.5)
     cosine, sine = drives.directions
-    ahead = (nodes.x.reshape(shape) - middle_x[:, None]) * cosine
-    ahead += (nodes.y.reshape(shape) - middle_y[:, None, None]) * sine
+    dx = nodes.x.reshape(shape) - middle_x[:, None]
+    dy = nodes.y.reshape(shape) - middle_y[:, None, None]
+    ahead = dx * cosine + dy * sine
+    reached = (nodes.side != UNREACHED).reshape(*shape, 1)
+    offset = np.where(reached, np.stack([dx, dy], axis=-1) * (OFFSETS / grid.cell), 0.0)
     length = np.maximum(nodes.length.reshape(shape) + ahead, 0.0).astype(np.float32)
     side, steps = nodes.side.reshape(shape), nodes.steps.reshape(shape)
-    return LatticeTable(length, side, steps, goal, drives.radius, grid)
+    offset = np.clip(np.rint(offset), -127, 127).astype(np.int8)
+    return LatticeTable(length, side, steps, offset, goal, drives.radius, grid)

@@ -1,28 +1,28 @@
-"""This module reads a lattice: the length that is left from a pose, and the turn to begin with.
+"""This module looks up in a lattice the remaining length from a pose, and the first turn.
 
-The kernels are scalar functions of floats; loops over lanes may call them, for one table serves all
-lanes. A pose lies between eight nodes: two in x, two in y, two headings. Those that are not reached
-do not count. Where none is, the length is infinite, and the turn straight ahead and of no length.
+The kernels are scalar functions of floats. Loops over lanes may call them, because one table serves
+all lanes. A pose lies between eight nodes: two in x, two in y, two headings. Unreached nodes do not
+count. If all eight are unreached, the length is infinite, and the turn is straight ahead with a
+length of 0.
 """
 
 import math
 
 from hav_env.compiled import kernel
 from hav_env.guidance.search import IN_SIGHT, UNREACHED
-from hav_env.maths.dubins import shortest_path, turns
+from hav_env.guidance.segments import segment_to_begin_with
+from hav_env.maths.dubins import shortest_path
 from hav_env.maths.elementary import floor, sincos
 from hav_env.maths.geometry import TWO_PI, into_frame
-
-_NEGLIGIBLE = 1e-3  # [m], a segment of a Dubins path that is none
 
 
 @kernel
 def _look_round(table, x, y, heading):
-    """Return what the nodes round a pose say.
+    """Interpolate the nodes around a pose.
 
     Returns:
-        (length, direct, side, steps): the mean of the lengths [m], weighed as linear interpolation
-        does; whether all are direct; side and steps of the nearest node that is reached.
+        (length, direct, side, steps): the linearly interpolated length [m]; whether all reached
+        nodes are direct; side and steps of the nearest reached node.
     """
     rows, columns, headings = table.length.shape
     per_cell = 1.0 / table.grid.cell
@@ -63,16 +63,16 @@ def _path_to_goal(table, x, y, heading):
 
 @kernel
 def lattice_length(table, x, y, heading):
-    """Return the length of the drive that is left to the goal [m].
+    """Return the remaining length of the drive to the goal [m].
 
-    It is that of the Dubins path from the very pose where all nodes round it are direct. Elsewhere
-    it is interpolated linearly; nodes that are not reached do not count.
+    If all nodes around the pose are direct, it is the length of the Dubins path from the exact
+    pose. Otherwise it is interpolated linearly; unreached nodes do not count.
 
     Args:
         table: a ``LatticeTable``.
-        x: of the truck's rear axle [m].
-        y: of it [m].
-        heading: of the truck [rad].
+        x: x of the truck's rear axle [m].
+        y: y of the truck's rear axle [m].
+        heading: heading of the truck [rad].
     """
     length, direct, _, _ = _look_round(table, x, y, heading)
     _, first, second, third = _path_to_goal(table, x, y, heading)
@@ -81,30 +81,26 @@ def lattice_length(table, x, y, heading):
 
 @kernel
 def lattice_turn(table, x, y, heading):
-    """Return the side to which the drive begins, and how long it stays [m].
+    """Return the side of the first turn of the drive to the goal, and its length [m].
 
-    It is that of the nearest node that is reached. Where that is direct, it is the first segment of
-    the Dubins path from the very pose, which then has to be driven to its end. From the pose of a
-    node, turns that are driven one after the other for their whole lengths end exactly in the goal.
-    A truck that asks again before the end of a turn may meet nodes with other turns, and make
+    It is the turn of the nearest reached node. If this node is direct, it is the first segment of
+    the Dubins path from the exact pose; the truck must then drive this path to its end. From the
+    pose of a node, a truck that drives each turn for its whole length ends exactly in the goal. A
+    truck that looks up the turn again before its end may get turns of other nodes, and make
     detours.
 
     Args:
         table: a ``LatticeTable``.
-        x: of the truck's rear axle [m].
-        y: of it [m].
-        heading: of the truck [rad].
+        x: x of the truck's rear axle [m].
+        y: y of the truck's rear axle [m].
+        heading: heading of the truck [rad].
 
     Returns:
         (side, length): 1.0 left, -1.0 right, 0.0 straight.
     """
     _, _, side, steps = _look_round(table, x, y, heading)
     word, first, second, third = _path_to_goal(table, x, y, heading)
-    one, two, three = turns(word)
-    towards = two if second >= _NEGLIGIBLE else three
-    towards = one if first >= _NEGLIGIBLE else towards
-    length = second if second >= _NEGLIGIBLE else third
-    length = first if first >= _NEGLIGIBLE else length
+    towards, length = segment_to_begin_with(word, first, second, third)
     stays = steps * (table.radius * TWO_PI / table.length.shape[2])
     known = side != UNREACHED
     side, stays = (side * 1.0 if known else 0.0), (stays if known else 0.0)

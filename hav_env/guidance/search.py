@@ -1,10 +1,10 @@
 """This module searches a lattice of poses backwards from a goal: Dijkstra over drives on circles.
 
-A node is a cell in x, y and heading, and the pose in it from which a drive to the goal is known.
-Poses are not rounded to cells: drives lead exactly from node to node. Nodes from which a Dubins
-path keeps clear are direct; their pose is the middle of their cell. All drives are of one length.
-So the queue is first in, first out, merged with the direct nodes, the nearest first. It needs no
-heap.
+A node is a cell in x, y and heading, with the pose in it that the search reached. The search does
+not round poses to cells: drives lead exactly from node to node. A node is direct if a Dubins path
+from the middle of its cell to the goal keeps clear; its pose is that middle. All drives have one
+length. So a first-in, first-out queue, merged with the direct nodes in order of length, replaces
+the heap of Dijkstra's algorithm.
 """
 
 import math
@@ -21,21 +21,21 @@ DRIVE_SIDES = (
     0,
     -1,
     1,
-)  # of a drive: straight ahead, right, left; of equal ones the first one counts
+)  # of a drive: straight ahead, right, left; the first one wins a tie
 IN_SIGHT, UNREACHED = 2, 3  # instead of a side
 _OUTSIDE = -1
 _MOST_STEPS = 255
 
 
 class Drives(NamedTuple):
-    """The drives from node to node, and what they must keep."""
+    """The drives from node to node, and their limits."""
 
     radius: float
-    """Of the turns [m]."""
+    """Radius of the turns [m]."""
     step: float
-    """Length of each drive [m], which turns by one heading cell."""
+    """Length of each drive [m]; a turn of this length turns by one heading cell."""
     clearance: float
-    """To be kept from walls [m]."""
+    """Distance to keep from walls [m]."""
     direct: float
     """Length up to which Dubins paths count [m]."""
     directions: np.ndarray  # (2, H) cosine and sine of the headings
@@ -43,21 +43,19 @@ class Drives(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """The nodes as the search leaves them, ny * nx * H of them: headings of a cell lie together."""
+    """The ny * nx * H nodes after the search; the headings of a cell are contiguous."""
 
     length: np.ndarray  # from the node's pose to the goal [m]; inf: not reached
     x: np.ndarray  # of the node's pose [m]
     y: np.ndarray
     side: np.ndarray  # int8 of its drive: -1 right, 0 straight, 1 left; IN_SIGHT or UNREACHED
-    steps: (
-        np.ndarray
-    )  # uint8, how many drives to that side follow on each other, its own among them
+    steps: np.ndarray  # uint8, number of consecutive drives to that side, including the first
     queue: np.ndarray  # int32 scratch
 
 
 @entry
 def find_direct(first, last, site, drives, nodes, goal):
-    """Find the nodes of a range of rows from whose cell's middle a Dubins path keeps clear.
+    """Find the direct nodes of a range of rows.
 
     Args:
         first: row of the range.
@@ -65,7 +63,7 @@ def find_direct(first, last, site, drives, nodes, goal):
         site: the walls.
         drives: radius, clearance and greatest length.
         nodes: to be written.
-        goal: (3,) x, y [m] and heading [rad], which is the first one.
+        goal: (3,) x, y [m] and heading [rad], the first of the headings.
     """
     columns, headings = site.gaps.shape[1], drives.directions.shape[1]
     for i in range(first, last):
@@ -86,7 +84,7 @@ def find_direct(first, last, site, drives, nodes, goal):
 
 @rare_kernel
 def _see_goal(site, drives, x, y, heading, dx, dy):
-    """Return the length of the Dubins path to the goal [m]; infinity if it is none that counts."""
+    """Return the length of the Dubins path to the goal [m]; infinity if too long or not clear."""
     cosine, sine = drives.directions[0, heading], drives.directions[1, heading]
     forward, left = into_frame(dx, dy, cosine, sine)
     turn = -heading * (TWO_PI / drives.directions.shape[1])
@@ -100,15 +98,15 @@ def _see_goal(site, drives, x, y, heading, dx, dy):
 
 @entry
 def spread_backwards(first, last, site, drives, nodes, seeds):
-    """Find the nodes from which drives lead to the seeds, the shortest way.
+    """Find the nodes from which drives lead to the seeds, on the shortest path.
 
     Args:
         first: 0.
         last: 1, or 0 to do nothing.
         site: the walls.
         drives: from node to node.
-        nodes: to be written where they are not seeds.
-        seeds: (K,) int64 nodes whose length is known, in ascending order of it.
+        nodes: written, except for the seeds.
+        seeds: (K,) int64 nodes of known length, in ascending order of length.
     """
     for _ in range(first, last):
         length = nodes.length
@@ -131,10 +129,11 @@ def spread_backwards(first, last, site, drives, nodes, seeds):
 
 @rare_kernel
 def _reach(site, drives, nodes, node, side):
-    """Reach the node in which a drive to a side begins that ends in the pose of another.
+    """Reach the node that begins a drive to a side which ends in the pose of another node.
 
     Returns:
-        its place; -1 where it was reached before, is outside the grid, or the drive is not clear.
+        Index of the node; -1 if the search has reached it before, if it is outside the grid, or if
+        the drive is not clear.
     """
     rows, columns = site.gaps.shape
     headings, grid = drives.directions.shape[1], site.grid
@@ -157,7 +156,7 @@ def _reach(site, drives, nodes, node, side):
 
 @rare_kernel
 def _drive_keeps_clear(site, drives, heading, x, y, side):
-    """Tell whether the drive to a side that begins in a pose keeps clear."""
+    """Return whether the drive from a pose to a side keeps clear."""
     word = RSR if side < 0 else LSL
     turned = 0.0 if side == 0 else drives.step
     cosine, sine = drives.directions[0, heading], drives.directions[1, heading]

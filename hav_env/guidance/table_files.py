@@ -1,7 +1,7 @@
-"""This module keeps lattices on disk, beside compiled code, and checks each file before it is used.
+"""This module keeps lattices on disk, beside compiled code, and checks each file before use.
 
-The name of a file is the SHA-256 of all that determines its table: walls, goal, radius, bounds,
-lattice, and the code of the search. The file begins with the SHA-256 of the rest.
+The name of a file is the SHA-256 of all inputs of its table: walls, goal, radius, bounds, lattice,
+and the code of the search. The file begins with the SHA-256 of its other bytes.
 """
 
 import contextlib
@@ -13,6 +13,7 @@ import os
 import pathlib
 import tempfile
 import zipfile
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -30,8 +31,8 @@ from hav_env.guidance.walls import Grid
 
 _log = logging.getLogger(__name__)
 _FOLDER = "lattices"
-_ARRAYS = ("length", "side", "steps", "goal")
-_MOST_FILES = 256  # of which the newest stay
+_ARRAYS = ("length", "side", "steps", "offset", "goal")
+_MOST_FILES = 1024  # beyond this number, the oldest files are removed
 _DIGEST_SIZE = hashlib.sha256().digest_size
 
 
@@ -42,18 +43,18 @@ def load_lengths(
     radius: float,
     bounds: tuple[float, float, float, float] | None = None,
 ) -> LatticeTable:
-    """Return ``find_lengths`` from disk; find and keep them where they are not there.
+    """Return the table of ``find_lengths``; load it from disk, or compute it and keep it there.
 
     Args:
-        lattice: sizes of cells, clearance.
-        segments: (S, 4) walls, x1, y1, x2, y2 [m].
+        lattice: Sizes of cells, clearance.
+        segments: (S, 4) Walls, x1, y1, x2, y2 [m].
         goal: x, y [m] and heading [rad].
-        radius: of all turns [m].
-        bounds: as in ``find_lengths``.
+        radius: Turning radius [m].
+        bounds: As in ``find_lengths``.
 
     Raises:
-        TypeError: when an argument is of another kind.
-        ValueError: when a value is not allowed.
+        TypeError: If an argument has another type.
+        ValueError: If an argument is out of range.
     """
     known = check_arguments(lattice, segments, goal, radius, bounds)
     home = find_home(os.environ.get("NUMBA_CACHE_DIR", ""))
@@ -67,6 +68,26 @@ def load_lengths(
     return table
 
 
+def are_kept(
+    lattice: Lattice,
+    segments: np.ndarray,
+    wanted: Sequence[tuple[tuple[float, float, float], float]],
+    bounds: tuple[float, float, float, float],
+) -> int:
+    """Return the number of tables on disk among those of the given goals and radii [m].
+
+    The other arguments are those of ``load_lengths``.
+    """
+    home = find_home(os.environ.get("NUMBA_CACHE_DIR", ""))
+    if home is None:
+        return 0
+    found = 0
+    for goal, radius in wanted:
+        known = check_arguments(lattice, segments, goal, radius, bounds)
+        found += (home / _FOLDER / f"{_key(lattice, *known)}.lattice").exists()
+    return found
+
+
 def _key(
     lattice: Lattice,
     segments: np.ndarray,
@@ -74,7 +95,7 @@ def _key(
     radius: float,
     bounds: tuple[float, float, float, float],
 ) -> str:
-    """Return the SHA-256 of all that determines a table, in hexadecimal."""
+    """Return the SHA-256 of all inputs of a table, in hexadecimal."""
     numbers = [float(number) for number in (*lattice, *goal, radius, *bounds)]
     told = [_digest_search(), np.lib.NumpyVersion(np.__version__).version, *map(float.hex, numbers)]
     digest = hashlib.sha256("\n".join(told).encode())
@@ -89,7 +110,7 @@ def _digest_search() -> str:
 
 
 def _read(path: pathlib.Path) -> LatticeTable | None:
-    """Return the table in a file; None if there is none, or a broken one, which is removed."""
+    """Return the table in a file, None without a file; remove a broken file and return None."""
     try:
         content = path.read_bytes()
     except OSError:
@@ -99,8 +120,8 @@ def _read(path: pathlib.Path) -> LatticeTable | None:
             raise ValueError("the content has another digest")
         with np.load(io.BytesIO(content[_DIGEST_SIZE:]), allow_pickle=False) as arrays:
             radius, *grid = arrays["scalars"].tolist()
-            length, side, steps, goal = (arrays[name] for name in _ARRAYS)
-            return LatticeTable(length, side, steps, goal, radius, Grid(*grid))
+            length, side, steps, offset, goal = (arrays[name] for name in _ARRAYS)
+            return LatticeTable(length, side, steps, offset, goal, radius, Grid(*grid))
     except (ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile) as error:
         _log.warning("hav_env finds a lattice again, for %s is broken: %s", path, error)
         with contextlib.suppress(OSError):
@@ -109,7 +130,7 @@ def _read(path: pathlib.Path) -> LatticeTable | None:
 
 
 def _keep(table: LatticeTable, path: pathlib.Path) -> None:
-    """Write a table, whole or not at all; say so on the log if that fails."""
+    """Write a table, whole or not at all; log a warning if that fails."""
     data = io.BytesIO()
     arrays = {name: getattr(table, name) for name in _ARRAYS}
     np.savez(data, scalars=np.array([table.radius, *table.grid]), **arrays)
@@ -130,8 +151,8 @@ def _keep(table: LatticeTable, path: pathlib.Path) -> None:
 
 
 def _forget_old(folder: pathlib.Path) -> None:
-    """Remove all but the newest files, unfinished ones of killed processes among them."""
-    with contextlib.suppress(OSError):  # another process may be quicker
+    """Remove all but the newest files; this also removes unfinished files of killed processes."""
+    with contextlib.suppress(OSError):  # another process may have removed a file first
         files = sorted(folder.iterdir(), key=lambda path: path.lstat().st_mtime)
         for old in files[:-_MOST_FILES]:
             old.unlink()

@@ -1,7 +1,7 @@
-"""This module tells which drives keep clear of the walls of a site, given as segments.
+"""This module checks whether drives keep clear of the walls of a site, given as segments.
 
-A drive is a Dubins path of the truck's rear axle. It keeps clear when a disc of a given radius that
-goes along it touches no segment.
+A drive is a Dubins path of the truck's rear axle. It keeps clear if a disc of a given radius around
+each of its points touches no segment.
 """
 
 import math
@@ -14,7 +14,7 @@ from hav_env.maths.dubins import turns
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import point_segment_squared
 
-CHECKED_EVERY = 0.1  # [m] at most along a drive, where it is close to a wall
+CHECKED_EVERY = 0.1  # [m], the longest step along a drive close to a wall
 
 
 class Grid(NamedTuple):
@@ -29,7 +29,7 @@ class Grid(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """The walls, and how far the cells are from them."""
+    """The walls, and the distances of the cells from them."""
 
     segments: np.ndarray  # (S, 4) x1, y1, x2, y2 [m]
     gaps: np.ndarray  # (ny, nx) from the middle of each cell to the nearest segment [m]
@@ -40,7 +40,7 @@ def lay_grid(bounds: tuple[float, float, float, float], cell: float) -> tuple[Gr
     """Return the grid over a rectangle, and its numbers of rows and columns, at least 2 each.
 
     Args:
-        bounds: x and y [m] of its south-western corner, then of its north-eastern one.
+        bounds: x and y [m] of the south-western corner, then of the north-eastern one.
         cell: side of a cell [m].
     """
     west, south, east, north = bounds
@@ -50,13 +50,13 @@ def lay_grid(bounds: tuple[float, float, float, float], cell: float) -> tuple[Gr
 
 
 def measure_gaps(segments: np.ndarray, grid: Grid, rows: int, columns: int) -> np.ndarray:
-    """Return how far the middle of each cell is from the nearest segment (rows, columns) [m].
+    """Return the distance of the middle of each cell from the nearest segment (rows, columns) [m].
 
     Args:
         segments: (S, 4) x1, y1, x2, y2 [m].
         grid: the cells.
-        rows: how many of them along y.
-        columns: how many along x.
+        rows: number of cells along y.
+        columns: number of cells along x.
     """
     x = grid.x + grid.cell * (np.arange(columns) + 0.5)
     y = grid.y + grid.cell * (np.arange(rows) + 0.5)[:, None]
@@ -73,7 +73,7 @@ def measure_gaps(segments: np.ndarray, grid: Grid, rows: int, columns: int) -> n
 
 @rare_kernel
 def gap_of_point(segments, x, y):
-    """Return how far a point is from the nearest segment [m]; infinity if there is none.
+    """Return the distance of a point from the nearest segment [m]; infinity without segments.
 
     Args:
         segments: (S, 4) [m].
@@ -91,25 +91,25 @@ def gap_of_point(segments, x, y):
 
 @rare_kernel
 def path_keeps_clear(site, clearance, x, y, cosine, sine, radius, word, first, second, third):
-    """Tell whether all points of a Dubins path keep a distance from all segments.
+    """Return whether all points of a Dubins path keep a distance from all segments.
 
-    The truck may go on from a point by what that point has in reserve. Where this is less than
-    ``CHECKED_EVERY``, it goes on by that, and points must have half of it in reserve. So the answer
-    may be no where the path keeps clear by less than half of ``CHECKED_EVERY``, never yes where it
-    does not.
+    The reserve of a point is its distance from the segments minus the clearance. From each checked
+    point, the next one is ahead by the reserve, or by ``CHECKED_EVERY`` if that is more. Each of
+    them must have half of ``CHECKED_EVERY`` in reserve. So the check may reject a path that keeps
+    clear by less than that. It never accepts a path that does not keep clear.
 
     Args:
         site: the walls.
         clearance: distance to keep [m].
-        x: of the start [m].
-        y: of the start [m].
-        cosine: of the heading at the start.
-        sine: of it.
-        radius: of the turns [m].
+        x: x of the start [m].
+        y: y of the start [m].
+        cosine: cosine of the heading at the start.
+        sine: sine of the heading at the start.
+        radius: radius of the turns [m].
         word: index into ``hav_env.maths.dubins.WORDS``.
         first: length of the first segment [m].
-        second: of the second [m].
-        third: of the third [m].
+        second: length of the second segment [m].
+        third: length of the third segment [m].
     """
     side, middle, last = turns(word)
     per_radius = 1.0 / radius
@@ -135,7 +135,7 @@ def path_keeps_clear(site, clearance, x, y, cosine, sine, radius, word, first, s
 
 @rare_kernel
 def _gap_to_keep(site, clearance, x, y):
-    """Return a lower bound of a point's gap [m], -1 where it has too little in reserve."""
+    """Return a lower bound of the gap of a point [m], -1 if its reserve is too small."""
     asked = clearance + 0.5 * CHECKED_EVERY
     gap = _known_gap(site, x, y)
     if gap < asked + CHECKED_EVERY:
@@ -145,10 +145,10 @@ def _gap_to_keep(site, clearance, x, y):
 
 @kernel
 def _drive(length, turn, radius, per_radius):
-    """Return where a segment of a Dubins path leads (forward, left) [m]; cosine, sine of its turn.
+    """Return the end of a Dubins segment (forward, left) [m], and cosine and sine of its turn.
 
     Args:
-        length: driven [m].
+        length: length of the segment [m].
         turn: 1.0 left, -1.0 right, 0.0 straight.
         radius: of the turn [m].
         per_radius: 1 / radius [1/m].
@@ -165,7 +165,7 @@ def _drive(length, turn, radius, per_radius):
 
 @rare_kernel
 def _known_gap(site, x, y):
-    """Return a lower bound of the gap of a point [m], from that of its cell."""
+    """Return a lower bound of the gap of a point [m], from the gap of its cell."""
     grid = site.grid
     j, i = math.floor((x - grid.x) / grid.cell), math.floor((y - grid.y) / grid.cell)
     rows, columns = site.gaps.shape

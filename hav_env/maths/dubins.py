@@ -1,12 +1,12 @@
-"""This module computes Dubins paths, the shortest for a point that drives forward and turns.
+"""This module computes Dubins paths, the shortest paths of a point that drives forward and turns.
 
-The frame is that of the start pose. There the path is a function of the goal (forward, left,
+The frame is that of the start pose. In it, the path is a function of the goal (forward, left,
 heading) and the radius alone. A path is one of six words of three segments. The words of Dubins
-(1957) follow here from the centres of the start's and the goal's circles: an outer tangent (LSL,
-RSR), an inner tangent (LSR, RSL) or a third circle that touches both (RLR, LRL).
+(1957) follow here from the centres of the start's and the goal's circles. Words have an outer
+tangent (LSL, RSR), an inner tangent (LSR, RSL) or a third circle that touches both (RLR, LRL).
 
-The search has no branch, so that loops over lanes may call it. It works out all six words, and
-selections take the shortest.
+The search has no branch, so loops over lanes may call it. It computes all six words and selects the
+shortest.
 """
 
 import math
@@ -18,7 +18,7 @@ from hav_env.maths.geometry import TWO_PI, wrap
 LSL, RSR, LSR, RSL, RLR, LRL = range(6)
 WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
 INFEASIBLE = math.inf
-_ROUNDING = 1e-12  # what rounding leaves of a zero angle [rad] or tangent [radii]
+_ROUNDING = 1e-12  # rounding error of a zero angle [rad] or tangent [radii]
 _IN_SINGLE = {"_ROUNDING": 2e-5}
 
 
@@ -35,8 +35,8 @@ def turns(word):
 def _turn_angle(angle):
     """Return the angle [rad], which is in [-4 pi, 2 pi), moved by whole turns into [0, 2 pi).
 
-    Rounding may leave -1e-17 of an angle that is zero; a vehicle that is on its way would then
-    drive a full circle first. So what is hardly below a whole turn is none.
+    Rounding may turn a zero angle into -1e-17; a vehicle on its path would then drive a full circle
+    first. An angle slightly below a whole turn therefore becomes 0.
     """
     angle = angle + TWO_PI if angle < -_ROUNDING else angle
     angle = angle + TWO_PI if angle < -_ROUNDING else angle
@@ -45,17 +45,17 @@ def _turn_angle(angle):
 
 @kernel
 def _outer_tangent(across_x, across_y, heading):
-    """Two left turns joined by a straight: the circles' centres lie ``across`` from each other."""
+    """Return the path of two left turns and a straight; ``across`` joins the circles' centres."""
     straight = math.sqrt(across_x * across_x + across_y * across_y)
     towards = atan2(across_y, across_x)
-    # start and goal on one circle: the first turn does it all
+    # start and goal on one circle: the first turn is the whole path
     first = _turn_angle(heading if straight < _ROUNDING else towards)
     return first, straight, _turn_angle(heading - first)
 
 
 @kernel
 def _inner_tangent(across_x, across_y, heading):
-    """A left turn, a straight that changes sides, a right turn."""
+    """Return the path of a left turn, a straight that changes sides, and a right turn."""
     squared = across_x * across_x + across_y * across_y - 4.0
     straight = math.sqrt(max(squared, 0.0))  # circles that touch: no straight between them
     first = _turn_angle(
@@ -67,10 +67,10 @@ def _inner_tangent(across_x, across_y, heading):
 
 @kernel
 def _third_circle(towards, across, heading):
-    """A left turn, a right turn of more than half a circle, a left turn.
+    """Return the path of a left turn, a right turn of more than half a circle, and a left turn.
 
-    The centres of the start's and the goal's left circle are those of the word LSL: ``across``
-    from each other [radii], ``towards`` the direction from one to the other.
+    The centres of the start's and the goal's left circle are those of the word LSL. ``across`` is
+    their distance [radii], ``towards`` the direction from one to the other.
     """
     left_over = 16.0 - across * across
     middle = TWO_PI - 2.0 * atan2_positive(across, math.sqrt(max(left_over, 0.0)))
@@ -84,7 +84,7 @@ def word_segments(word, forward, left, heading, radius):
     """Return the three segments of one word: angles [rad] of turns, radii of a straight.
 
     A word that starts to the right is the mirror image of one that starts to the left. The first
-    segment is ``INFEASIBLE`` when the word does not reach the goal.
+    segment is ``INFEASIBLE`` if the word does not reach the goal.
     """
     side, _, _ = turns(word)
     x, y, heading = forward / radius, side * left / radius, side * wrap(heading)
@@ -102,14 +102,14 @@ def shortest_path(forward, left, heading, radius):
     """Return the shortest Dubins path to a goal pose in the frame of the start pose.
 
     Args:
-        forward: the goal's position along the start's heading [m].
-        left: the goal's position to the left of that [m].
-        heading: the goal's heading less the start's [rad].
-        radius: of all turns [m], positive.
+        forward: Goal's position along the start's heading [m].
+        left: Goal's position to the left of that [m].
+        heading: Goal's heading minus the start's [rad].
+        radius: Radius of all turns [m], positive.
 
     Returns:
-        (word, first, second, third): the index into ``WORDS`` and the lengths of the three
-        segments [m]. Equally short words: the first one in the order of ``WORDS``.
+        (word, first, second, third): the index into ``WORDS`` and the lengths of the three segments
+        [m]. Among equally short words, the first one in the order of ``WORDS``.
     """
     heading = wrap(heading)
     sine, cosine = sincos(heading)
@@ -118,7 +118,7 @@ def shortest_path(forward, left, heading, radius):
 
 @kernel
 def _shorter(path, word, segments):
-    """Return (total, word, first, second, third) of the shorter one; when equal, of the path."""
+    """Return (total, word, first, second, third) of the shorter one; if equal, of ``path``."""
     least, best, first, second, third = path
     a, b, c = segments
     total = a + b + c
@@ -157,8 +157,8 @@ def path_length(forward, left, heading, radius):
 
 
 @kernel
-def _advance(x, y, heading, turn, length, radius):
-    """Drive one segment: a straight, or an arc to the side ``turn``."""
+def pose_after_segment(x, y, heading, turn, length, radius):
+    """Return the pose after one segment: a straight, or an arc to the side ``turn``."""
     sine, cosine = sincos(heading)
     if turn == 0.0:
         return x + length * cosine, y + length * sine, heading
@@ -170,14 +170,14 @@ def _advance(x, y, heading, turn, length, radius):
 
 @kernel
 def pose_on_path(word, first, second, third, radius, distance):
-    """Return the pose (forward, left, heading) after ``distance`` [m], which is cut at both ends.
+    """Return the pose (forward, left, heading) after ``distance`` [m], clipped to the path.
 
     The segments are those of ``shortest_path``; the heading [rad] is not wrapped.
     """
     sides = turns(word)
     distance = max(distance, 0.0)
-    x, y, heading = _advance(0.0, 0.0, 0.0, sides[0], min(distance, first), radius)
+    x, y, heading = pose_after_segment(0.0, 0.0, 0.0, sides[0], min(distance, first), radius)
     distance = max(distance - first, 0.0)
-    x, y, heading = _advance(x, y, heading, sides[1], min(distance, second), radius)
+    x, y, heading = pose_after_segment(x, y, heading, sides[1], min(distance, second), radius)
     distance = max(distance - second, 0.0)
-    return _advance(x, y, heading, sides[2], min(distance, third), radius)
+    return pose_after_segment(x, y, heading, sides[2], min(distance, third), radius)

@@ -1,9 +1,9 @@
 """This module computes sine, cosine, arctangent, exponential and rounding on several lanes at once.
 
-The C library's functions take one number at a time, and differ from platform to platform. These
-consist of additions, multiplications (fused where the code says so), divisions and selections. So a
-compiler turns a loop over lanes into vector instructions. The same numbers come out everywhere:
-compiled for any processor or run by Python.
+The C library's functions take one number at a time, and differ between platforms. These consist of
+additions, multiplications (fused where the code says so), divisions and selections. A compiler
+therefore turns a loop over lanes into vector instructions. Results are bit-equal everywhere:
+compiled for any processor, or in plain Python.
 
 Errors are in units in the last place (ulp) of the result, measured against exact values by
 tests/maths/test_elementary.py.
@@ -13,8 +13,8 @@ import math
 
 from hav_env.compiled import bits_of, float_of, fma, kernel, split_power
 
-# Added to a float below 2**51, this leaves no bits for a fraction: it rounds to the nearest whole
-# number, half to even, and that number stands in the lowest bits.
+# Added to a float below 2**51, this leaves no bits for a fraction. The sum rounds to the nearest
+# whole number, half to even, and that number is in the lowest bits.
 _ROUNDER = 1.5 * 2.0**52
 _ROUNDER_BITS = bits_of(_ROUNDER)
 _QUARTER_TURNS = 2.0 / math.pi
@@ -25,10 +25,10 @@ _QUARTER_HIGH, _QUARTER_MIDDLE, _QUARTER_LOW = (
     -1.4973849048591833e-33,
 )
 _TAN_PI_8 = 0.41421356237309503
-_SMALLEST = 1e-300  # keeps 0 / 0 away
+_SMALLEST = 1e-300  # avoids 0 / 0
 _LOG2_E = 1.4426950408889634
 _LN_2_HIGH, _LN_2_LOW = 0.6931471805599453, 2.3190468138462996e-17  # ln 2 in 106 bits
-_EXP_LOW, _EXP_HIGH = -708.0, 709.0  # what still has a normal result
+_EXP_LOW, _EXP_HIGH = -708.0, 709.0  # range in which the result is a normal number
 _IN_SINGLE = {"_SMALLEST": 1e-37, "_LN_2_LOW": -1.904654323148236e-09, "_ROUNDER": 1.5 * 2.0**23}
 
 
@@ -47,7 +47,7 @@ def sincos(angle):
     """Return sine and cosine of an angle [rad]: within 2 ulp for |angle| up to 1e6.
 
     The angle is reduced to [-pi / 4, pi / 4]; ``small_sincos`` does the rest. Beyond 1e6 the
-    reduction loses digits, and beyond 1e15 or so the result means nothing; not a number stays so.
+    reduction loses digits, and beyond about 1e15 the result is meaningless; NaN stays NaN.
     """
     shifted = fma(angle, _QUARTER_TURNS, _ROUNDER)
     quarters = shifted - _ROUNDER
@@ -66,12 +66,13 @@ def sincos(angle):
 def small_sincos(r):
     """Return sine and cosine of an angle r [rad] with |r| <= pi / 4: the bits of ``sincos``.
 
-    There the reduction of ``sincos`` changes nothing. 2 r / pi rounds to 0, so ``quarters`` and
-    ``quadrant`` are 0: nothing is taken from r, nothing is swapped, no sign changes. Only the zeros
-    differ: -0.0 - 0.0 * _QUARTER_LOW is 0.0, for that constant is negative. But the sine of either
-    zero is 0.0: p is negative, so r * z * p + r adds two zeros of opposite signs.
+    In this range the reduction of ``sincos`` changes nothing. 2 r / pi rounds to 0, so ``quarters``
+    and ``quadrant`` are 0: nothing is subtracted from r, nothing is swapped, and no sign changes.
+    Only the zeros differ: -0.0 - 0.0 * _QUARTER_LOW is 0.0, because that constant is negative.
+    However, the sine of either zero is 0.0: p is negative, so r * z * p + r adds two zeros of
+    opposite signs.
 
-    The polynomials are fdlibm's.
+    The polynomials are those of fdlibm.
     """
     z = r * r
     p = fma(1.58969099521155010221e-10, z, -2.50507602534068634195e-08)
@@ -81,7 +82,7 @@ def small_sincos(r):
     q = fma(fma(q, z, -2.75573143513506633035e-07), z, 2.48015872894767294178e-05)
     q = fma(fma(q, z, -1.38888888888741095749e-03), z, 4.16666666666666019037e-02)
     sine = fma(r * z, p, r)
-    rest = fma(-0.5, z, 1.0)  # what its rounding cut off comes back with the polynomial
+    rest = fma(-0.5, z, 1.0)  # the polynomial restores the part that its rounding cut off
     return sine, rest + fma(z * z, q, fma(-0.5, z, 1.0 - rest))
 
 
@@ -91,7 +92,7 @@ def atan2_positive(y, x):
     small, large = min(y, x), max(y, x) + _SMALLEST
     steep = small > _TAN_PI_8 * large
     t = (small - large if steep else small) / (small + large if steep else large)
-    # fdlibm's polynomial, even and odd powers apart: two short sums instead of a long one
+    # fdlibm's polynomial, with even and odd powers apart: two short sums instead of a long one
     z = t * t
     w = z * z
     p = fma(1.62858201153657823623e-02, w, 4.97687799461593236017e-02)
@@ -119,7 +120,7 @@ def atan2(y, x):
 
 @kernel
 def exp(x):
-    """Return e**x within 2 ulp; x is cut to [-708, 709], where the result is a normal number."""
+    """Return e**x within 2 ulp; x is clipped to [-708, 709], where the result is normal."""
     x = min(max(x, _EXP_LOW), _EXP_HIGH)
     shifted = fma(x, _LOG2_E, _ROUNDER)
     doublings = shifted - _ROUNDER

@@ -17,7 +17,7 @@ def wrap(angle):
 
 @kernel
 def clip(value, low, high):
-    """Return the value, or the bound that it passes."""
+    """Return the value clipped to [low, high]."""
     return min(max(value, low), high)
 
 
@@ -39,7 +39,7 @@ def nearest_on_segment(ax, ay, dx, dy, length, px, py):
 
 @kernel
 def _side(ax, ay, bx, by, px, py):
-    """Return > 0 when p lies left of the line a -> b, < 0 when right, 0 when on it."""
+    """Return a number > 0 if p is left of the line a -> b, < 0 if right, 0 if on it."""
     return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
 
 
@@ -50,7 +50,7 @@ def _in_box(ax, ay, bx, by, px, py):
 
 @kernel
 def segments_intersect(ax, ay, bx, by, cx, cy, dx, dy):
-    """Tell whether the segments a-b and c-d have a point in common; touching counts."""
+    """Return whether the segments a-b and c-d have a point in common; touching counts."""
     c_side, d_side = _side(ax, ay, bx, by, cx, cy), _side(ax, ay, bx, by, dx, dy)
     a_side, b_side = _side(cx, cy, dx, dy, ax, ay), _side(cx, cy, dx, dy, bx, by)
     crossed = (c_side < 0 < d_side or d_side < 0 < c_side) and (
@@ -77,8 +77,21 @@ def point_segment_squared(px, py, ax, ay, bx, by):
 
 
 @kernel
+def squared_gap(ax, ay, bx, by, cx, cy, dx, dy):
+    """Return the squared distance [m^2] between the segments a-b and c-d, which may be points."""
+    if segments_intersect(ax, ay, bx, by, cx, cy, dx, dy):
+        return 0.0
+    return min(
+        point_segment_squared(ax, ay, cx, cy, dx, dy),
+        point_segment_squared(bx, by, cx, cy, dx, dy),
+        point_segment_squared(cx, cy, ax, ay, bx, by),
+        point_segment_squared(dx, dy, ax, ay, bx, by),
+    )
+
+
+@kernel
 def segments_apart(ax, ay, bx, by, cx, cy, dx, dy, margin):
-    """Tell whether the segments a-b and c-d keep more than a margin [m] from each other."""
+    """Return whether the segments a-b and c-d keep more than a margin [m] from each other."""
     if (
         max(ax, bx) + margin < min(cx, dx)
         or max(cx, dx) + margin < min(ax, bx)
@@ -98,17 +111,17 @@ def segments_apart(ax, ay, bx, by, cx, cy, dx, dy, margin):
 
 @rare_kernel
 def hull_apart(rows, place, count, ax, ay, bx, by, margin):
-    """Tell whether the convex hull of points keeps more than a margin [m] from the segment a-b.
+    """Return whether the convex hull of points keeps more than a margin [m] from the segment a-b.
 
     Args:
-        rows: array that holds the points, x and y [m] one after the other.
-        place: index of the first point's x in ``rows``.
-        count: number of points.
-        ax: x of the segment's first end [m].
-        ay: y of the segment's first end [m].
-        bx: x of the segment's second end [m].
-        by: y of the segment's second end [m].
-        margin: distance to exceed [m].
+        rows: Array that holds the points, x and y [m] one after the other.
+        place: Index of the first point's x in ``rows``.
+        count: Number of points.
+        ax: X of the segment's first end [m].
+        ay: Y of the segment's first end [m].
+        bx: X of the segment's second end [m].
+        by: Y of the segment's second end [m].
+        margin: Distance to exceed [m].
     """
     for i in range(count):
         px, py = rows[place + 2 * i], rows[place + 2 * i + 1]

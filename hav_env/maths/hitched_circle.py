@@ -1,8 +1,8 @@
 """This module computes the least circle of a chain of trailers, joint by joint, on floats.
 
-A trailer of length l is hitched ``offset`` c behind the axle of the unit ahead: c > 0 is a drawbar
+A trailer of length l is hitched ``offset`` c behind the axle of the unit ahead. c > 0 is a drawbar
 coupling, c = 0 the paper's hitch on the axle, c < 0 a fifth wheel ahead of the axle. On a steady
-circle r_j^2 = r_{j-1}^2 + c_j^2 - l_j^2, where r_j is the radius of axle j. ``add_joint`` goes over
+circle r_j^2 = r_{j-1}^2 + c_j^2 - l_j^2, where r_j is the radius of axle j. ``add_joint`` processes
 the joints from front to rear; ``hav_env.vehicles.steady_circles`` does so for whole chains.
 """
 
@@ -11,16 +11,16 @@ from hav_env.compiled import kernel
 
 @kernel
 def needed_squared(length, offset, cos_limit):
-    """Return the least squared radius [m^2] of the axle ahead that one joint can follow for good.
+    """Return the least squared radius [m^2] of the axle ahead for one joint on a steady circle.
 
-    It is (c^2 + l^2 + 2 c l cos b) / sin^2 b - c^2 where the limit b binds, and l^2 - c^2, where
-    the trailer's axle stands on the centre, where it does not. It binds for
-    b < 90 degrees + asin(c / l). With c = 0 and b >= 90 degrees this is l * l to the bit.
+    It is (c^2 + l^2 + 2 c l cos b) / sin^2 b - c^2 if the limit b binds. Otherwise it is l^2 - c^2,
+    where the trailer's axle is at the centre. It binds for b < 90 degrees + asin(c / l). With c = 0
+    and b >= 90 degrees this is l * l to the bit.
 
     Args:
-        length: l, from the hitch to the trailer's axle [m].
-        offset: c, how far the hitch is behind the axle ahead [m].
-        cos_limit: cosine of the greatest articulation b of the joint.
+        length: Length l from the hitch to the trailer's axle [m].
+        offset: Offset c of the hitch behind the axle ahead [m].
+        cos_limit: Cosine of the largest articulation b of the joint.
     """
     binds = offset + length * cos_limit > 0.0
     hitch_apart = offset * offset + length * length + 2.0 * offset * length * cos_limit
@@ -33,16 +33,17 @@ def needed_squared(length, offset, cos_limit):
 def add_joint(least_squared, lost_squared, length, offset, cos_limit):
     """Return ``least_squared`` and ``lost_squared`` with one more trailer behind.
 
-    Both begin at 0 for the circle of the truck's rear axle, and at the truck's length squared for
-    that of its front axle, the paper's reference. On-axle chains without limits below 90 degrees
-    end at l_0^2 + l_1^2 + ..., added in this order, the square of the paper's R_min, eq. (rmin).
+    Both begin at 0 for the circle of the truck's rear axle. For the circle of its front axle, the
+    paper's reference, they begin at the truck's length squared. On-axle chains without limits below
+    90 degrees end at l_0^2 + l_1^2 + ..., added in this order, the square of the paper's R_min, eq.
+    (rmin).
 
     Args:
-        least_squared: least squared radius [m^2] of the joints so far.
-        lost_squared: sum of l^2 - c^2 [m^2] over the trailers so far; it need not grow.
-        length: length of the trailer [m].
-        offset: how far it is hitched behind the axle ahead [m].
-        cos_limit: cosine of the joint's greatest articulation.
+        least_squared: Least squared radius [m^2] of the joints so far.
+        lost_squared: Sum of l^2 - c^2 [m^2] over the trailers so far; it may decrease.
+        length: Length of the trailer [m].
+        offset: Distance of the hitch behind the axle ahead [m].
+        cos_limit: Cosine of the joint's largest articulation.
     """
     needed = lost_squared + needed_squared(length, offset, cos_limit)
     lost = lost_squared + (length * length - offset * offset)

@@ -1,11 +1,11 @@
-"""This module makes outlines (k-DOPs): convex polygons, told by their extent in 24 directions.
+"""This module makes outlines (k-DOPs): convex polygons given by their extent in 24 directions.
 
-An outline stands in ``SIDES`` rows of an array: entry k is the largest value of
-x cos(a) + y sin(a) [m] over all included points, at the angle a of side k. It holds all their
-convex combinations. Of a disc of radius r it holds little more than the disc, 0.9 % of r at its
-corners. The included points touch every side, so that neighbouring sides meet in the corners.
+An outline occupies ``SIDES`` rows of an array. Entry k is the largest value of x cos(a) + y sin(a)
+[m] over all included points, at the angle a of side k. It contains all their convex combinations.
+For a disc of radius r it exceeds the disc by at most 0.9 % of r, at its corners. The included
+points touch every side, so neighbouring sides meet in the corners.
 
-Functions work on a slice of the rows, so that compiled code knows that no place is negative.
+Functions work on a slice of the rows, so compiled code knows that no index is negative.
 """
 
 import math
@@ -17,9 +17,9 @@ from hav_env.maths.elementary import atan2, sincos
 from hav_env.maths.geometry import TWO_PI
 
 SIDES = 24
-_ANGLE = TWO_PI / SIDES  # between neighbouring sides
+_ANGLE = TWO_PI / SIDES  # angle between neighbouring sides
 _ANGLES = [_ANGLE * k for k in range(SIDES)]
-# arrays: of a tuple, compiled code would look at one element after another
+# arrays: compiled code would search a tuple element by element
 _COSINES = np.array([math.cos(angle) for angle in _ANGLES])
 _SINES = np.array([math.sin(angle) for angle in _ANGLES])
 _SIDE_COSINE, _SIDE_SINE = math.cos(_ANGLE), math.sin(_ANGLE)
@@ -27,7 +27,7 @@ _SIDE_COSINE, _SIDE_SINE = math.cos(_ANGLE), math.sin(_ANGLE)
 
 @kernel
 def clear_outline(rows, outline):
-    """Begin an outline that holds nothing."""
+    """Begin an outline that contains nothing."""
     sides = rows[outline : outline + SIDES]
     for side in range(SIDES):
         sides[side] = -math.inf
@@ -51,7 +51,7 @@ def include_disc(rows, outline, x, y, radius):
 
 @kernel
 def widen(rows, outline, margin):
-    """Move all sides of an outline outwards [m]: it then holds all that is so near to it."""
+    """Move all sides of an outline outwards [m]: it then contains all points that are so near."""
     sides = rows[outline : outline + SIDES]
     for side in range(SIDES):
         sides[side] += margin
@@ -59,7 +59,7 @@ def widen(rows, outline, margin):
 
 @rare_kernel
 def outside(rows, outline, x, y):
-    """Return how far outside the farthest side a point is [m]; negative inside."""
+    """Return the signed distance of a point from the farthest side [m]; negative inside."""
     sides, farthest = rows[outline : outline + SIDES], -math.inf
     for side in range(SIDES):
         farthest = max(farthest, x * _COSINES[side] + y * _SINES[side] - sides[side])
@@ -80,23 +80,24 @@ def corner(rows, outline, side):
 
 @rare_kernel
 def turn_outline(rows, outline, others, other, x, y, cosine, sine):
-    """Write the outline round another one that is seen from a frame.
+    """Write the outline of another outline that is given in a frame.
 
     Args:
-        rows: array to write the outline into; it holds the other one and a little more.
-        outline: index of its first row in ``rows``.
-        others: array that holds the other outline, in a frame of its own.
-        other: index of its first row in ``others``.
-        x: x of that frame's origin [m].
-        y: y of that frame's origin [m].
-        cosine: cosine of that frame's heading.
-        sine: sine of that frame's heading.
+        rows: Array for the new outline, which contains the other one and a little more.
+        outline: Index of its first row in ``rows``.
+        others: Array that holds the other outline, in its own frame.
+        other: Index of its first row in ``others``.
+        x: X of that frame's origin [m].
+        y: Y of that frame's origin [m].
+        cosine: Cosine of that frame's heading.
+        sine: Sine of that frame's heading.
     """
     heading = atan2(sine, cosine)
     heading += TWO_PI if heading < 0.0 else 0.0
     passed = min(int(heading / _ANGLE), SIDES - 1)
-    rest = heading - passed * _ANGLE  # of the frame's heading, from one side to the next
-    # the corner that is farthest out towards an own side lies between two sides of the other one
+    rest = heading - passed * _ANGLE  # angle of the frame's heading beyond a side
+    # the corner that is farthest in the direction of a new side is between two sides of the other
+    # outline
     before, _ = sincos(rest)
     behind, _ = sincos(_ANGLE - rest)
     before, behind = before / _SIDE_SINE, behind / _SIDE_SINE
@@ -112,7 +113,8 @@ def turn_outline(rows, outline, others, other, x, y, cosine, sine):
 def outline_gap(rows, outline, other):
     """Return the widest gap [m] between two outlines across one of the 24 directions.
 
-    Both are in one frame. They are at least so far apart; when it is negative, they may overlap.
+    Both are in one frame. The outlines are at least so far apart; if the gap is negative, they may
+    overlap.
     """
     half, widest = SIDES // 2, -math.inf
     sides, others = rows[outline : outline + SIDES], rows[other : other + SIDES]

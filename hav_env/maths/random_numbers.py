@@ -1,8 +1,8 @@
 """This module draws random numbers without a state: draw k is a function of (seed, episode, k).
 
 The function is Threefry-2x32 with 20 rounds (Salmon et al., "Parallel random numbers: as easy as 1,
-2, 3", SC11). So an episode is the same alone, in a batch, on any thread, compiled or not. Draw k
-needs none of the draws before it.
+2, 3", SC11). An episode is therefore the same alone, in a batch, on any thread, compiled or not.
+Draw k does not depend on earlier draws.
 """
 
 import math
@@ -51,7 +51,7 @@ def threefry(key0, key1, counter0, counter1):
 def uniform(seed, episode, stream, draw):
     """Return a number in [0, 1) with 53 random bits: draw number ``draw`` of one stream.
 
-    Streams keep the uses of randomness of one episode apart.
+    Streams separate the random numbers of one episode by their use.
     """
     high, low = threefry(seed, episode, draw, stream)
     return ((high >> 5) * 67108864.0 + (low >> 6)) * (1.0 / 9007199254740992.0)

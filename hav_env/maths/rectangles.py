@@ -1,7 +1,8 @@
 """This module computes on rectangles in the plane: whether two share a point, the nearest point.
 
 A rectangle has a middle (x, y) [m], a direction along it (cosine, sine), half a length along that
-and half a width across [m]. Either may be zero: it is then a segment, or a point.
+direction and half a width across [m]. Either may be zero: the rectangle is then a segment, or a
+point.
 """
 
 from hav_env.compiled import kernel
@@ -13,15 +14,15 @@ def _gap_beside(dx, dy, cosine, sine, length, width, turn_cosine, turn_sine, oth
     """Return the larger gap between two rectangles along the normals of one of them [m].
 
     Args:
-        dx: from the middle of this one to that of the other [m].
-        dy: likewise [m].
-        cosine: of the direction of this one.
-        sine: likewise.
-        length: half its length [m].
-        width: half its width [m].
-        turn_cosine: of the angle between both, its size.
-        turn_sine: likewise.
-        other: half the length and half the width of the other [m].
+        dx: x from the middle of this one to that of the other [m].
+        dy: y from the middle of this one to that of the other [m].
+        cosine: Cosine of the direction of this one.
+        sine: Sine of the direction of this one.
+        length: Half its length [m].
+        width: Half its width [m].
+        turn_cosine: Cosine of the angle between both, as an absolute value.
+        turn_sine: Sine of the angle between both, as an absolute value.
+        other: Half the length and half the width of the other [m].
     """
     forward, left = into_frame(dx, dy, cosine, sine)
     along = other[0] * turn_cosine + other[1] * turn_sine
@@ -33,12 +34,13 @@ def _gap_beside(dx, dy, cosine, sine, length, width, turn_cosine, turn_sine, oth
 def rectangle_gap(one, other):
     """Return the largest gap between two rectangles along a normal of a side [m].
 
-    They share a point if and only if it is not above zero, by the separating axis theorem. It is
-    never above their distance, and equal to it where a side faces the other rectangle.
+    They share a point if and only if it is not above zero, by the separating axis theorem. It never
+    exceeds their distance, and equals it if the nearest point of one is opposite a side of the
+    other.
 
     Args:
-        one: x, y, cosine, sine, half length, half width.
-        other: likewise.
+        one: X, y, cosine, sine, half length, half width.
+        other: x, y, cosine, sine, half length, half width.
     """
     x, y, cosine, sine, length, width = one
     other_x, other_y, other_cosine, other_sine, other_length, other_width = other

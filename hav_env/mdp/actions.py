@@ -8,25 +8,25 @@ import numpy as np
 
 from hav_env.models.annotations import show
 
-# kinds of NumPy's types that are numbers: no bool, no complex, no text, no object
+# NumPy kinds that count as real numbers: not bool, complex, text or object
 REAL_KINDS = "fiu"
 _READ_AS_THEY_ARE = np.float32, np.float64
-_SHORT_LIST = 64  # numbers up to which a list is looked at in less time than an array
+_SHORT_LIST = 64  # most numbers that a loop over a list checks faster than NumPy
 
 
 def take_actions(name: str, actions: Any, shape: tuple[int, ...]) -> np.ndarray:
-    """Return finite actions that compiled code can read: the user's own array where it can.
+    """Return finite actions that compiled code can read, without a copy where possible.
 
     Args:
-        name: as of ``read_action``.
-        actions: as of ``read_action``.
-        shape: as of ``read_action``.
+        name: See ``read_action``.
+        actions: See ``read_action``.
+        shape: See ``read_action``.
 
     Returns:
-        A contiguous array of float32 or float64, to be read at once and not to be kept.
+        A contiguous float32 or float64 array; the caller reads it at once and does not keep it.
 
     Raises:
-        TypeError, ValueError: as of ``read_action``.
+        TypeError, ValueError: See ``read_action``.
     """
     legible = (
         type(actions) is np.ndarray
@@ -39,15 +39,15 @@ def take_actions(name: str, actions: Any, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def list_action(name: str, action: Any, shape: tuple[int, ...]) -> list[float]:
-    """Return the numbers of an action of few, one after the other.
+    """Return the few numbers of an action as a flat list.
 
     Args:
-        name: as of ``read_action``.
-        action: as of ``read_action``.
-        shape: as of ``read_action``.
+        name: See ``read_action``.
+        action: See ``read_action``.
+        shape: See ``read_action``.
 
     Raises:
-        TypeError, ValueError: as of ``read_action``.
+        TypeError, ValueError: See ``read_action``.
     """
     if type(action) is np.ndarray and action.dtype.kind in REAL_KINDS and action.shape == shape:
         numbers = action.ravel().tolist()
@@ -57,16 +57,16 @@ def list_action(name: str, action: Any, shape: tuple[int, ...]) -> list[float]:
 
 
 def read_action(name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
-    """Return an action, or those of many worlds, as finite float64: a contiguous copy.
+    """Return actions of one or many worlds as a contiguous, finite float64 copy.
 
     Args:
-        name: of the action, for the message: "the action of hav_0".
-        action: the user's action: an array, or anything that NumPy turns into one.
-        shape: that it must have.
+        name: Name of the action in error messages, such as "the action of hav_0".
+        action: Action of the user: an array, or any object that NumPy converts to one.
+        shape: Required shape.
 
     Raises:
-        TypeError: when the action is anything but real numbers.
-        ValueError: when its shape is wrong or a number is not finite.
+        TypeError: If the action does not consist of real numbers.
+        ValueError: If its shape is wrong or a number is not finite.
     """
     array = action if type(action) is np.ndarray else _array_of(name, action)
     if array.dtype.kind not in REAL_KINDS:
@@ -81,25 +81,25 @@ def read_action(name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def are_finite(actions: np.ndarray) -> bool:
-    """Tell whether all numbers of an array are finite."""
+    """Return whether all numbers of an array are finite."""
     if actions.size <= _SHORT_LIST:
         return all(map(math.isfinite, actions.ravel().tolist()))
     return np.count_nonzero(np.isfinite(actions)) == actions.size
 
 
 def check_mapping(actions: Any) -> None:
-    """Raise TypeError unless the actions are a dictionary or another mapping."""
+    """Raise TypeError unless the actions are a mapping, such as a dictionary."""
     if type(actions) is not dict and not isinstance(actions, Mapping):
         raise TypeError(f"actions is {show(actions)}, but must be a dictionary: agent to action")
 
 
 def _array_of(name: str, action: Any) -> np.ndarray:
-    """Return what NumPy makes of an action."""
-    if _holds_bool(action):  # beside a float, NumPy would make a number of it
+    """Return an action as the array that NumPy makes of it."""
+    if _holds_bool(action):  # NumPy would convert a bool beside a float to a number
         raise TypeError(f"{name} is {show(action)}, but must be real numbers")
     try:
         return np.asarray(action)
-    except Exception as error:  # lists of unequal lengths, tensors that NumPy cannot reach
+    except Exception as error:  # lists of unequal lengths, tensors that NumPy cannot read
         told = f"{name} is {show(action)}, but must be real numbers: {' '.join(str(error).split())}"
         raise TypeError(told) from None
 

@@ -7,41 +7,42 @@ import numpy as np
 from hav_env.compiled import VECTOR, arguments_of, entry, kernel, loop_kernel
 from hav_env.maths.geometry import clip
 from hav_env.mdp.buffers import buffers_from, outcome_from
-from hav_env.mdp.info import REPORT, write_obstacle_report, write_report
+from hav_env.mdp.info import REPORT, write_interventions, write_obstacle_report, write_report
 from hav_env.mdp.reward import WAITED, note_before, reward_terms
 from hav_env.observation import observe, plan_route, write_rows
+from hav_env.safety import filter_commands
 from hav_env.simulator.transition import late, remove_arrived, step, terminated
 from hav_env.world.lanes import OBSERVED_LANES, block_of
 from hav_env.world.sensing import limits
 
 
 class Actions(NamedTuple):
-    """Actions as the user holds them: in one of two precisions; the other array is empty."""
+    """Actions as the user passed them, in one of two precisions; the other array is empty."""
 
     single: np.ndarray  # (W, C, 2) float32 from -1 to 1, or (0, C, 2)
     double: np.ndarray  # (W, C, 2) from -1 to 1, or (0, C, 2)
 
 
 class Portion(NamedTuple):
-    """Some of the steps of an action; others than the controlled HAVs may decide in between."""
+    """Some of the steps of an action; other HAVs may decide between two portions."""
 
     opens: bool
-    """The action begins with it."""
+    """Whether the action begins with this portion."""
     steps: int
     """Number of steps of the simulator."""
     closes: bool
-    """The action ends with it."""
+    """Whether the action ends with this portion."""
     reports: bool
-    """Every world is reported on; otherwise only those whose episodes end."""
+    """Whether to report on every world; otherwise only on worlds whose episodes end."""
 
 
 def divide_action(frame_skip: int, driven: bool, reports: bool) -> tuple[Portion, ...]:
-    """Return the portions of an action: all of it, or its steps where others decide before each.
+    """Return the portions of an action: one, or its steps if other HAVs decide before each.
 
     Args:
-        frame_skip: for how many steps of the simulator the action is held.
-        driven: whether a policy drives others.
-        reports: whether every world is reported on.
+        frame_skip: Number of simulator steps for which the action is held.
+        driven: Whether a policy drives other HAVs.
+        reports: Whether to report on every world.
     """
     if not driven:
         return (Portion(True, frame_skip, True, reports),)
@@ -54,18 +55,20 @@ def advance_worlds(first, last, held, actions, outcome):
     """Take (a part of) one action in each of a range of worlds.
 
     Args:
-        first: world of the range.
-        last: the world after the range.
-        held: task, vehicle, reward, observation, worlds, buffers and portion, as of ``_advance``.
-        actions: ``Actions`` of all worlds, cut.
-        outcome: of all worlds; written where the action closes.
+        first: First world of the range.
+        last: World after the last of the range.
+        held: Task, vehicle, safety, reward, observation, worlds, buffers and portion, as for
+            ``_advance``.
+        actions: ``Actions`` of all worlds, clipped.
+        outcome: Outcome of all worlds; written when the action ends.
     """
-    task, vehicle, reward, observation, worlds, buffers, portion = arguments_of(held)
+    task, vehicle, safety, reward, observation, worlds, buffers, portion = arguments_of(held)
     _advance(
         first,
         last,
         task,
         vehicle,
+        safety,
         reward,
         observation,
         worlds,
@@ -78,22 +81,34 @@ def advance_worlds(first, last, held, actions, outcome):
 
 @loop_kernel
 def _advance(
-    first, last, task, vehicle, reward, observation, worlds, buffers, portion, actions, outcome
+    first,
+    last,
+    task,
+    vehicle,
+    safety,
+    reward,
+    observation,
+    worlds,
+    buffers,
+    portion,
+    actions,
+    outcome,
 ):
-    """Take (a part of) one action in each of a range of worlds, and write what it led to.
+    """Take (a part of) one action in each of a range of worlds, and write the outcome.
 
     Args:
-        first: world of the range.
-        last: the world after the range.
-        task: the rules.
-        vehicle: the kinematics.
-        reward: the weights.
-        observation: settled for the number of HAVs.
-        worlds: the arrays of all worlds.
-        buffers: of all worlds.
-        portion: a ``Portion``: which part of the action.
-        actions: ``Actions`` of all worlds, cut.
-        outcome: of all worlds; written where the action closes.
+        first: First world of the range.
+        last: World after the last of the range.
+        task: Rules of the episode.
+        vehicle: Vehicle model (kinematics).
+        safety: Safety filter of the commands.
+        reward: Weights of the reward.
+        observation: Observation settings, as ``settle`` returns them.
+        worlds: Arrays of all worlds.
+        buffers: Buffers of all worlds.
+        portion: ``Portion`` of the action.
+        actions: ``Actions`` of all worlds, clipped.
+        outcome: Outcome of all worlds; written when the action ends.
     """
     duration, controlled = task.dt * portion.steps, outcome.info.shape[1]
     for start in range(first, last, OBSERVED_LANES):
@@ -112,7 +127,10 @@ def _advance(
         if portion.opens:
             remove_arrived(task, world)
         for _ in range(portion.steps):
-            step(task, vehicle, world, block.command[0], block.command[1])
+            speed, steering = filter_commands(
+                safety, task, vehicle, world, block.command, block.filtered, block.trial
+            )
+            step(task, vehicle, world, speed, steering)
         if portion.closes:
             for agent in range(controlled):
                 plan_route(world, agent, block.scratch, block.remaining)
@@ -131,7 +149,7 @@ def _advance(
 
 @entry
 def observe_worlds(first, last, observation, worlds, buffers, chosen, outcome):
-    """Write what is seen in those of a range of worlds where ``chosen`` (W,) is true."""
+    """Write the observations of those worlds of a range where ``chosen`` (W,) is true."""
     for w in range(first, last):
         if chosen[w]:
             world = block_of(worlds, w, 1, worlds.units)
@@ -140,17 +158,17 @@ def observe_worlds(first, last, observation, worlds, buffers, chosen, outcome):
 
 @kernel
 def observe_block(observation, world, buffers, start, slot, outcome):
-    """Write what is seen in a block of worlds in which no action has just been taken.
+    """Write the observations of a block of worlds in which no action has just been taken.
 
     Rewards are zero, and nothing has ended.
 
     Args:
-        observation: settled for the number of HAVs.
-        world: the block.
-        buffers: of all worlds.
-        start: the first of them that is in the block.
-        slot: which of the buffers' columns this thread may use.
-        outcome: of all worlds, to be written.
+        observation: Observation settings, as ``settle`` returns them.
+        world: Block of worlds.
+        buffers: Buffers of all worlds.
+        start: Index of the block's first world.
+        slot: Index of the scratch columns that this thread may use.
+        outcome: Outcome of all worlds, to write.
     """
     block, result = buffers_from(buffers, start, slot), outcome_from(outcome, start)
     for agent in range(result.info.shape[1]):
@@ -165,9 +183,9 @@ def observe_block(observation, world, buffers, start, slot, outcome):
 
 @kernel
 def to_command(faster, turned, speed_max, steering_max):
-    """Return speed [m/s] and steering [rad] of an action, both of whose numbers are cut to [-1, 1].
+    """Return speed [m/s] and steering [rad] of an action, whose numbers are clipped to [-1, 1].
 
-    -1 is standing, 1 is full speed; -1 is as far right as the wheels go, 1 as far left.
+    Speed: -1 is standing, 1 is full speed. Steering: -1 is full right, 1 is full left.
     """
     share = 0.5 * (clip(faster, -1.0, 1.0) + 1.0)
     return share * speed_max, clip(turned, -1.0, 1.0) * steering_max
@@ -175,7 +193,7 @@ def to_command(faster, turned, speed_max, steering_max):
 
 @kernel
 def _command(world, block, agent, actions):
-    """Turn actions into speed and steering."""
+    """Convert actions to speed and steering."""
     for lane in range(world.lanes):
         speed_max, steering_max, _ = limits(world, agent, lane)
         block.command[0, agent, lane], block.command[1, agent, lane] = to_command(
@@ -185,7 +203,7 @@ def _command(world, block, agent, actions):
 
 @kernel
 def _reward(reward, duration, world, agent, block, terms, outcome):
-    """Work out the terms, their weighted sum, and what each has come to since the beginning."""
+    """Compute the reward terms, their weighted sum, and the returns by term."""
     total = outcome.reward
     reward_terms(reward, duration, world, agent, block.before, block.remaining, terms)
     for lane in range(world.lanes):
@@ -218,10 +236,12 @@ def _report_ends(worlds, buffers, outcome, start, lanes):
 
 @kernel
 def _report(world, agent, block, outcome):
-    """Write the report on a HAV, and what each term of its reward has come to."""
+    """Write the report on a HAV and its returns by term."""
     returns, told = block.returns, outcome.info[len(REPORT) :]
     write_report(world, agent, block.remaining, outcome.info)
-    write_obstacle_report(world.place, world, agent, told[returns.shape[0] :])
+    others = told[returns.shape[0] :]
+    written = write_obstacle_report(world.place, world, agent, others)
+    write_interventions(world, agent, others[written:])
     for t in range(returns.shape[0]):
         for lane in range(world.lanes):
             told[t, agent, lane] = returns[t, agent, lane]

@@ -1,9 +1,9 @@
-"""This module pools the memory of large arrays, and reuses it once nobody holds any part of it.
+"""This module pools the memory of large arrays, and reuses memory that no array or view holds.
 
-Fresh memory for the outcome of an action in thousands of worlds takes half as long as the action.
-A returned array must never change, though. So the holder of an array, of a view of it or of a
-buffer keeps its memory. The pool does not count holders: the arrays stand on a loan, which comes
-back when Python frees it. Every view in NumPy keeps its base.
+Allocating the outcome of an action in thousands of worlds takes half as long as the action.
+However, a returned array must never change. An array, a view of it or a buffer therefore keeps its
+memory. The pool does not count references. Its arrays are views of a loan object, and Python frees
+the loan with the last view. Every NumPy view holds a reference to its base.
 """
 
 import collections
@@ -12,16 +12,16 @@ from typing import Any
 
 import numpy as np
 
-_ALIGNED = 64  # bytes: a line of the cache
-_LARGE = 1 << 18  # bytes from which on memory is lent; small pieces are made faster than lent
-_KEPT = 2  # pieces for the next loans
+_ALIGNED = 64  # bytes: a cache line
+_LARGE = 1 << 18  # bytes from which on the pool lends memory; smaller arrays are faster to allocate
+_KEPT = 2  # pieces kept for the next loans
 
-# pieces with the description of each, which NumPy would otherwise write anew
+# pieces of memory, each with its array interface, which NumPy would otherwise rebuild
 _Free = collections.deque[tuple[np.ndarray, dict[str, Any]]]
 
 
 class _Loan:
-    """Memory on which arrays stand as long as one of them, or of their views, is held."""
+    """Memory of arrays; it lives as long as one of them, or one of their views."""
 
     def __init__(self, memory: np.ndarray, interface: dict[str, Any], free: _Free) -> None:
         self._memory, self._free = memory, free
@@ -32,10 +32,10 @@ class _Loan:
 
 
 class Recycler:
-    """Lends memory of one size to arrays of fixed shapes and types; a copy lends its own."""
+    """Lends memory of one size to arrays of fixed shapes and types; a copy lends its own memory."""
 
     def __init__(self, layout: Sequence[tuple[tuple[int, ...], type]]) -> None:
-        """Take the shapes and types of the arrays that belong together."""
+        """Store the shapes and types of the arrays that belong together."""
         self._layout, self._places = tuple(layout), []
         self._size = 0
         for shape, kind in self._layout:
@@ -45,11 +45,11 @@ class Recycler:
         self._free: _Free = collections.deque(maxlen=_KEPT)
 
     def __reduce__(self) -> tuple:
-        """Copy the layout alone: memory is the original's."""
+        """Copy the layout alone: the original keeps its memory."""
         return Recycler, (self._layout,)
 
     def arrays(self) -> tuple[np.ndarray, ...]:
-        """Return arrays that nobody else holds; what is in them means nothing yet."""
+        """Return uninitialised arrays that share no memory with others in use."""
         if self._size < _LARGE:
             return tuple(np.empty(shape, kind) for shape, kind in self._layout)
         lent = np.asarray(_Loan(*self._take(), self._free))

@@ -1,7 +1,8 @@
-"""This module begins episodes of learners on a stage, compiled, with what is seen at first.
+"""This module begins episodes of learners in a compact stage, compiled, with first observations.
 
-Worlds that begin are scattered among thousands, and every number of a world lies far from the next.
-So they begin side by side on a small stage, as lanes of whole vectors, and are copied from there.
+Worlds that begin are scattered among thousands, and the numbers of one world are far apart in
+memory. They therefore begin side by side in a small stage, as lanes of whole vectors, and are
+copied from there.
 """
 
 from typing import NamedTuple
@@ -18,33 +19,33 @@ from hav_env.world.lanes import LANES, block_of
 
 
 class Stage(NamedTuple):
-    """Worlds in which episodes begin, the same number for each thread, and what is seen there."""
+    """Worlds in which episodes begin, the same number for each thread, with their observations."""
 
     lanes: int
-    """Number of worlds for one thread."""
+    """Number of worlds per thread."""
     worlds: World
     buffers: Buffers
     outcome: Outcome
 
 
 def allocate_stage(
-    batch: Batch, threads: int, sizes: tuple[int, int, int, int], numbers: int
+    batch: Batch, threads: int, sizes: tuple[int, int, int, int, int], numbers: int
 ) -> Stage:
-    """Return a stage.
+    """Return an allocated stage.
 
     Args:
-        batch: the worlds in which episodes will begin.
-        threads: how many begin them.
-        sizes: of the buffers, N, C, T and D, see ``allocate_buffers``.
-        numbers: K, how many are reported of a HAV.
+        batch: Worlds in which episodes will begin.
+        threads: Number of threads.
+        sizes: Sizes of the buffers, from N to K, see ``allocate_buffers``.
+        numbers: K, the number of infos of a HAV.
     """
     lanes = min(batch.num_worlds, max(1, min(VECTOR, LANES // batch.scenario.num_havs)))
     size = lanes * threads
-    _, controlled, _, columns = sizes
+    _, controlled, _, columns, _ = sizes
     layout = outcome_layout(size, controlled, columns, numbers)
     return Stage(
         lanes,
-        worlds_for(batch.scenario, batch.task, batch.vehicle, size),
+        worlds_for(batch, size),
         allocate_buffers(size, *sizes, threads),
         Outcome(*(np.zeros(shape, kind) for shape, kind in layout)),
     )
@@ -67,23 +68,23 @@ def begin_episodes(
     episodes,
     placed,
 ):
-    """Begin episodes in a range of those worlds that are to begin, and write what is seen there.
+    """Begin episodes in a range of those worlds that are to begin, and write their observations.
 
     Args:
-        first: index into ``places`` of the first one.
-        last: index of the one after the last.
-        scenario: who starts where.
-        task: the rules.
-        observation: settled for the number of HAVs.
-        worlds: the arrays of all worlds.
-        buffers: of all worlds.
-        outcome: of all worlds.
-        stage: a ``Stage``.
+        first: Index of the first world in ``places``.
+        last: Index after the last world.
+        scenario: Model of fleets, start poses and goal poses.
+        task: Rules of the episode.
+        observation: Observation settings, as ``settle`` returns them.
+        worlds: The arrays of all worlds.
+        buffers: Buffers of all worlds.
+        outcome: Outcome of all worlds.
+        stage: Stage of all threads.
         parts_taken: (1,) how many of its parts threads have taken, zero at first.
-        places: (B,) the worlds that are to begin.
+        places: (B,) indices of the worlds that are to begin.
         seeds: (W,) of the episodes of all worlds.
-        episodes: (W,) their numbers.
-        placed: (B,) bool, to be written: whether the scenario found room for the HAVs.
+        episodes: (W,) numbers of the episodes.
+        placed: (B,) bool, to write: whether the scenario placed the HAVs.
     """
     part = take(parts_taken) if first < last else 0
     on_stage = part * stage.lanes
@@ -101,7 +102,7 @@ def begin_episodes(
 
 @kernel
 def _put_outcome(stage, on_stage, lanes, buffers, outcome, places):
-    """Copy what is seen in worlds of the stage to their places; nothing has been returned yet."""
+    """Copy the first observations of worlds in the stage to their places."""
     seen, kept = stage.outcome, stage.buffers
     copy_rows(lanes_from(kept.remaining, on_stage), buffers.remaining, places, lanes)
     copy_rows(lanes_from(kept.returns, on_stage), buffers.returns, places, lanes)

@@ -1,4 +1,4 @@
-"""This module has the arrays of a decision process: outcomes, and buffers that last."""
+"""This module has the arrays of a decision process: outcomes and persistent buffers."""
 
 from typing import NamedTuple
 
@@ -11,30 +11,30 @@ from hav_env.world.lanes import APART
 
 
 class Outcome(NamedTuple):
-    """The outcome of an action; the first C of the N HAVs of a world are controlled."""
+    """Outcome of an action; the first C of the N HAVs of a world are controlled."""
 
     observation: np.ndarray  # (W, C, D) float32
-    info: np.ndarray  # (K, C, W) the report, then the returns so far by term; see ``Portion``
+    info: np.ndarray  # (K, C, W) the infos, then the returns so far by term; see ``Portion``
     reward: np.ndarray  # (C, W)
     terminated: np.ndarray  # (W,) bool
     truncated: np.ndarray  # (W,) bool
 
 
 def outcome_size(controlled: int, columns: int, numbers: int) -> int:
-    """Return how many bytes of one world all take that telling of it needs at a time."""
+    """Return the largest number of bytes of outcomes of one world that are in use at a time."""
     return controlled * (2 * 4 * columns + 4 * 8 * numbers)
 
 
 def outcome_layout(
     num_worlds: int, controlled: int, columns: int, numbers: int
 ) -> list[tuple[tuple[int, ...], type]]:
-    """Return shape and type of each array of an ``Outcome``, the large ones first.
+    """Return shape and type of each array of an ``Outcome``, large arrays first.
 
     Args:
-        num_worlds: W.
+        num_worlds: Number of worlds W.
         controlled: C.
-        columns: D, of the observation.
-        numbers: K, how many are reported of a HAV.
+        columns: D, the number of observation columns.
+        numbers: K, the number of infos of a HAV.
     """
     w, c = num_worlds, controlled
     return [
@@ -47,7 +47,7 @@ def outcome_layout(
 
 
 class Buffers(NamedTuple):
-    """Arrays that last from action to action, and scratch."""
+    """Arrays that persist between actions, and scratch."""
 
     command: np.ndarray  # (2, N, W) speed [m/s], steering [rad]
     remaining: np.ndarray  # (C, W) Dubins length to the goal [m]
@@ -55,25 +55,34 @@ class Buffers(NamedTuple):
     returns: np.ndarray  # (T, C, W) sums of the weighted terms since the episode began
     terms: np.ndarray  # (ranges, T, C, at most APART) of the reward, without weights
     columns: np.ndarray  # (ranges, D, APART) float32
-    scratch: Scratch  # each of its arrays likewise
+    scratch: Scratch  # scratch of observations, one range for each thread
+    filtered: np.ndarray  # (2, N, W) the command after the safety filter, or (2, 0, W) without one
+    trial: np.ndarray  # (ranges, K, APART) scratch of the safety filter; K is 0 without one
 
 
-# arrays of scratch by name: they mean nothing from one action to the next
-SCRATCH = "buffers.terms", "buffers.columns", "buffers.scratch"
+# names of scratch arrays: their values are void between actions
+SCRATCH = "buffers.terms", "buffers.columns", "buffers.scratch", "buffers.trial"
 
 
 def allocate_buffers(
-    num_worlds: int, num_havs: int, controlled: int, num_terms: int, num_columns: int, slots: int
+    num_worlds: int,
+    num_havs: int,
+    controlled: int,
+    num_terms: int,
+    num_columns: int,
+    trial_rows: int,
+    slots: int,
 ) -> Buffers:
-    """Return buffers.
+    """Return allocated buffers.
 
     Args:
-        num_worlds: W.
+        num_worlds: Number of worlds W.
         num_havs: N.
         controlled: C.
-        num_terms: T, of the reward.
-        num_columns: D, of the observation.
-        slots: how many threads may use the scratch at a time.
+        num_terms: T, the number of reward terms.
+        num_columns: D, the number of observation columns.
+        trial_rows: K, the number of scratch rows of the safety filter; 0 without one.
+        slots: Number of threads that may use the scratch at a time.
     """
     n, c, w = num_havs, controlled, num_worlds
     return Buffers(
@@ -87,6 +96,8 @@ def allocate_buffers(
             np.zeros((slots, SCRATCH_ROWS, APART), np.float32),
             np.zeros((slots, CHAIN_ROWS, APART)),
         ),
+        np.zeros((2, n if trial_rows > 0 else 0, w)),
+        np.zeros((slots, trial_rows, APART)),
     )
 
 
@@ -104,6 +115,8 @@ def buffers_from(buffers, start, slot):
             of_width(buffers.scratch.rows[slot], APART),
             of_width(buffers.scratch.chain[slot], APART),
         ),
+        lanes_from(buffers.filtered, start),
+        of_width(buffers.trial[slot], APART),
     )
 
 

@@ -1,6 +1,6 @@
 """This module is the decision process of learners: actions, observations, rewards, ends, reports.
 
-Every environment is a face of it. A single environment is a decision process of one world.
+Every environment is an interface to it. A single environment is a decision process of one world.
 """
 
 from typing import Any, Literal, TypedDict
@@ -12,7 +12,7 @@ from hav_env.mdp.advance import Actions, advance_worlds, divide_action, observe_
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.beginning import allocate_stage, begin_episodes
 from hav_env.mdp.buffers import SCRATCH, Outcome, allocate_buffers, outcome_layout, outcome_size
-from hav_env.mdp.info import OBSTACLE_REPORT, REPORT
+from hav_env.mdp.info import name_numbers
 from hav_env.mdp.reward import Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward
 from hav_env.mdp.rewards import REWARDS
@@ -21,16 +21,18 @@ from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped
 from hav_env.observation import Observation, check_observation, name_columns, settle
 from hav_env.policies.driver import PolicyDriver
+from hav_env.safety import Unfiltered, check_safety, make_safety, scratch_rows
 from hav_env.scenarios import segments_of
 from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.batch import Batch, check_placed
 from hav_env.vehicles import VEHICLES, OnAxle
+from hav_env.world.place.guidance import Dubins, of_each_world
 from hav_env.world.task import Task, check_at_once, set_rules
 
 Reports = Literal["always", "ends"]
 
 _SINGLE = np.dtype(np.float32).itemsize
-_HAVS_PER_THREAD = 1_024  # HAVs for which it is worth to wake a thread
+_HAVS_PER_THREAD = 1_024  # HAVs per thread for which waking a thread pays
 
 
 class Settings(TypedDict, total=False):
@@ -38,24 +40,26 @@ class Settings(TypedDict, total=False):
 
     scenario: Any
     num_havs: int | None
+    site: Any
     task: Task
     vehicle: Any
     observation: Observation
     reward: Any
     frame_skip: int
+    safety: Any
     threads: int | None
     info: Reports
+    guidance: Any
 
 
 class DecisionProcess:
     """W worlds, in each of which the first C of N HAVs are controlled.
 
     Attributes:
-        batch: the worlds.
-        columns: names of the columns of an observation.
-        info: names of the numbers that are reported of each HAV.
-        always: whether every world is reported on after every action, not only where its episode
-            ends.
+        batch: The worlds.
+        columns: Names of the columns of an observation.
+        info: Names of the infos of each HAV.
+        always: Whether every action reports on every world, or only on worlds whose episodes end.
     """
 
     def __init__(
@@ -63,41 +67,49 @@ class DecisionProcess:
         num_worlds: int = 1,
         controlled: int | None = None,
         others: Any = None,
-        /,  # so that these are no arguments of environments that do not name them
+        /,  # positional-only: environments that forward **settings cannot set them
         *,
         scenario: Any = "paper-pair",
         num_havs: int | None = None,
+        site: Any = None,
         task: Task = Task(),
         vehicle: Any = OnAxle(),
         observation: Observation = Observation(),
         reward: Any = Reward(),
         frame_skip: int = 1,
+        safety: Any = None,
         threads: int | None = None,
         info: Reports = "always",
+        guidance: Any = Dubins(),
         **rules: Any,
     ) -> None:
         """Allocate the worlds; they are empty until ``begin``.
 
         Args:
-            num_worlds: W.
-            controlled: C, all HAVs by default.
-            others: the policy that drives the other HAVs, or its name; without one they stand.
-            scenario: a model, or its name, its file or ``module:Class``.
-            num_havs: N, if it is to be another than the scenario's.
-            task: the rules.
-            vehicle: the kinematics: a model, or its name or ``module:Class``.
-            observation: observation of the learners.
-            reward: reward of the learners: a model, or its name or ``module:Class``.
-            frame_skip: for how many steps of the simulator an action is held.
-            threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
-            info: "always" reports on the HAVs after every action, "ends" only on those of worlds
+            num_worlds: Number of worlds W.
+            controlled: Number C of controlled HAVs; all by default.
+            others: Policy of the other HAVs, or its name; without one they do not move.
+            scenario: Model of the scenario, or its name, its file or ``module:Class``.
+            num_havs: Number of HAVs N, if it differs from the scenario's.
+            site: Obstacles and bounds of the scenario: a ``Site`` or its file.
+            task: Rules of the episodes.
+            vehicle: Kinematics: a model, its name or ``module:Class``.
+            observation: Observation of the learners.
+            reward: Reward of the learners: a model, its name or ``module:Class``.
+            frame_skip: Number of simulator steps for which an action is held.
+            safety: Events that a safety filter prevents: None, "jackknife", "collision", "both", or
+                a ``SafetyFilter``. It filters the commands of all HAVs before every step.
+            threads: Number of threads; by default ``HAV_THREADS`` or all cores.
+            info: "always" reports on the HAVs after every action; "ends" reports only on worlds
                 whose episodes end, which is faster.
-            rules: rules of the task that are to be others: ``max_steps``, ``on_goal``, ...
+            guidance: Guidance (routes to the goals): a model or its name.
+            rules: Rules of the task to replace: ``max_steps``, ``on_goal``, ...
 
         Raises:
-            ValueError, TypeError: naming the argument, its value and what is allowed.
+            ValueError, TypeError: If an argument is invalid; the message names it, its value and
+                the rule.
         """
-        scenario = scenario_of(scenario, num_havs)
+        scenario = scenario_of(scenario, num_havs, site)
         check_observation(observation)
         reward = REWARDS.make(reward) if isinstance(reward, str) else reward
         vehicle = VEHICLES.make(vehicle) if isinstance(vehicle, str) else vehicle
@@ -107,26 +119,29 @@ class DecisionProcess:
         check_value("info", Reports, info)
         task = set_rules(task, **rules)
         check_at_once(task)
-        self.batch = Batch(scenario, num_worlds, task, vehicle, threads)
+        self.safety = make_safety(safety)
+        check_safety(self.safety, task, vehicle)
+        self.batch = Batch(scenario, num_worlds, task, vehicle, threads, guidance)
         n, w = self.batch.scenario.num_havs, self.batch.num_worlds
         c = n if controlled is None else controlled
         self.num_controlled, self.num_havs, self.num_worlds = c, n, w
         self.frame_skip = int(frame_skip)
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
-        obstacles = OBSTACLE_REPORT if segments_of(scenario) > 0 else ()
-        self.info = (*REPORT, *(f"return_{term}" for term in reward._fields), *obstacles)
+        filtered = not isinstance(self.safety, Unfiltered)
+        self.info = name_numbers(reward, segments_of(scenario) > 0, filtered)
         size = outcome_size(c, len(self.columns), len(self.info))
         check_memory("num_worlds", w, (self.batch.bytes_per_world + size) * w)
         driver = None if others is None else PolicyDriver(others, self.batch, c)
-        self._driver = driver if c < n else None  # nobody is left to be driven
+        self._driver = driver if c < n else None  # the learner controls all HAVs
         self._reward = canonical(reward)
-        sizes = n, c, len(reward), len(self.columns)
+        trial_rows = scratch_rows(self.safety, self.batch.worlds.units)
+        sizes = n, c, len(reward), len(self.columns), trial_rows
         self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR))
-        self._compiled: dict[str, Any] = {}  # entries, by name
-        self._held: tuple[Held, ...] = ()  # made when it is needed
+        self._compiled: dict[str, Any] = {}  # compiled entries by name
+        self._held: tuple[Held, ...] = ()  # made at first use
         layout = outcome_layout(w, c, len(self.columns), len(self.info))
-        # what is small stands alone: it can be kept without the rest
+        # small arrays are allocated separately, so users can keep them without the large ones
         self._recycler, self._small = Recycler(layout[:2]), layout[2:]
         self._no_actions = Actions(np.empty((0, c, 2), np.float32), np.empty((0, c, 2)))
         self.report(info == "always")
@@ -136,20 +151,20 @@ class DecisionProcess:
         self._stage = allocate_stage(self.batch, self._threads, sizes, len(self.info))
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave out what is compiled: a copy asks for it again."""
+        """Leave out compiled entries: a copy loads them again."""
         return self.__dict__ | {"_compiled": {}, "_held": ()}
 
     @property
     def command(self) -> np.ndarray:
-        """(2, N, W) what was commanded last: speed [m/s], steering [rad]; void for who waits."""
+        """Return the last command (2, N, W): speed [m/s], steering [rad]; void for waiting HAVs."""
         return self._buffers.command
 
     def set_reward(self, reward: Any) -> None:
-        """Change the weights of the reward from the next action on.
+        """Change the weights of the reward, from the next action on.
 
         Raises:
-            ValueError: when a weight is not a finite number.
-            TypeError: when the reward is of another type than before.
+            ValueError: If a weight is not a finite number.
+            TypeError: If the reward has another type than before.
         """
         check_reward(reward)
         if type(reward) is not type(self._reward):
@@ -158,7 +173,7 @@ class DecisionProcess:
         self._held = ()
 
     def report(self, always: bool) -> None:
-        """Report on every world after every action, or only on those whose episodes end."""
+        """Report on every world after every action, or only on worlds whose episodes end."""
         self.always = always
         self._portions = divide_action(self.frame_skip, self._driver is not None, always)
         self._held = ()
@@ -166,16 +181,17 @@ class DecisionProcess:
     def begin(
         self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray, outcome: Outcome
     ) -> None:
-        """Begin episodes in the worlds that are chosen, and write what is seen there.
+        """Begin episodes in the chosen worlds, and write their observations.
 
         Args:
-            seeds: (W,) int64; those of the chosen worlds count.
-            episodes: (W,) int64, their numbers; likewise.
-            chosen: (W,) bool.
-            outcome: written for the chosen worlds: no reward, no end.
+            seeds: (W,) int64 seeds; only those of the chosen worlds count.
+            episodes: (W,) int64 numbers of the episodes; only those of the chosen worlds count.
+            chosen: (W,) bool, the worlds to begin.
+            outcome: Outcome to write for the chosen worlds: no reward, no end.
 
         Raises:
-            PlacementError: when a world has no room for its HAVs; it then has no episode.
+            PlacementError: If the scenario cannot place the HAVs of a world; that world then has no
+                episode.
         """
         places = np.flatnonzero(chosen)
         placed = np.zeros(places.size, np.bool_)
@@ -189,13 +205,13 @@ class DecisionProcess:
         args = *models, *arrays, np.zeros(1, np.int64), places, *keys, placed
         try:
             self._run(begin_episodes, places.size, args)
-        finally:  # an interrupt comes when all worlds are done
+        finally:  # an interrupt is raised after all worlds are done
             self._begun[places] = placed
             self._all_begun = np.count_nonzero(self._begun) == self.num_worlds
         check_placed(placed, batch.scenario)
 
     def require_episodes(self, use: str) -> None:
-        """Raise RuntimeError unless every world has an episode, naming what needs it."""
+        """Raise RuntimeError, naming the use, unless every world has an episode."""
         if self._all_begun:
             return
         missing = np.flatnonzero(~self._begun).tolist()
@@ -203,11 +219,11 @@ class DecisionProcess:
             raise RuntimeError(f"call reset before {use}: there is no episode yet")
         raise RuntimeError(
             f"call reset before {use}: {len(missing)} of {self.num_worlds} worlds have no episode,"
-            f" for it could not begin, the first of them world {missing[0]}"
+            f" because it could not begin; the first of them is world {missing[0]}"
         )
 
     def observe_worlds(self, chosen: np.ndarray, outcome: Outcome) -> None:
-        """Write what is seen in the worlds (W,) that are chosen: no reward, no end."""
+        """Write the observations of the chosen worlds (W,): no reward, no end."""
         args = self.observation, self.batch.worlds, self._buffers, chosen, outcome
         observe_worlds(self.num_worlds, *args, threads=self._threads)
 
@@ -217,15 +233,14 @@ class DecisionProcess:
         Args:
             actions: (W, C, 2) speed and steering from -1 to 1, finite, float64 or float32,
                 contiguous; read and not kept.
-            outcome: arrays to write the outcome into, of a ``step`` or ``outcome()`` before; fresh
-                ones by default.
+            outcome: Arrays for the outcome, from an earlier ``step`` or from ``outcome()``; new
+                arrays by default.
 
         Returns:
-            The outcome. Without ``always``, what its info holds of a world whose episode goes on
-            means nothing.
+            The outcome. Without ``always``, the infos of worlds whose episodes continue are void.
 
         Raises:
-            RuntimeError: when a world has no episode.
+            RuntimeError: If a world has no episode.
         """
         if not self._all_begun:
             self.require_episodes("step")
@@ -241,39 +256,40 @@ class DecisionProcess:
         return outcome
 
     def _run(self, loop: Any, count: int, args: tuple) -> None:
-        """Run an entry over worlds; the types of its arguments are always the same."""
+        """Run a compiled entry over worlds; the types of its arguments are always the same."""
         name = loop.__name__
         if name not in self._compiled:
             self._compiled[name] = loop.prepare(*args)
-        if self._threads == 1:  # there is nothing to share out
+        if self._threads == 1:  # one thread runs all worlds
             self._compiled[name](0, count, *args)
         else:
             share_out(self._compiled[name], count, args, self._threads)
 
     def _hold(self) -> tuple[Held, ...]:
-        """Return what stays the same from step to step, for each portion of an action."""
-        models = self.batch.task, self.batch.vehicle, self._reward, self.observation
-        self._held = tuple(
-            Held(*models, self.batch.worlds, self._buffers, portion) for portion in self._portions
-        )
+        """Return the constant arguments of every step, for each portion of an action."""
+        batch, arrays = self.batch, (self.batch.worlds, self._buffers)
+        models = batch.task, batch.vehicle, canonical(self.safety), self._reward, self.observation
+        self._held = tuple(Held(*models, *arrays, portion) for portion in self._portions)
         return self._held
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Return the arrays of the worlds and of what is kept from action to action, by name."""
-        found = _name_arrays({"worlds": self.batch.worlds, "buffers": self._buffers})
+        """Return the arrays that persist between actions, by name: worlds and buffers."""
+        guidance = of_each_world(self.batch.worlds.guidance)
+        worlds = self.batch.worlds._replace(guidance=guidance)
+        found = _name_arrays({"worlds": worlds, "buffers": self._buffers})
         return {name: array for name, array in found.items() if not name.startswith(SCRATCH)}
 
     def outcome(self) -> Outcome:
-        """Return arrays for an outcome; what is in them means nothing yet.
+        """Return an uninitialised ``Outcome``.
 
-        Nobody else holds any part of them.
+        It shares no memory with other arrays.
         """
         small: Any = (np.empty(shape, kind) for shape, kind in self._small)
         return Outcome(*self._recycler.arrays(), *small)
 
 
 def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
-    """Return the arrays in named tuples, each under the names that lead to it."""
+    """Return the arrays in nested named tuples, under dotted names."""
     found: dict[str, np.ndarray] = {}
     for name, part in parts.items():
         if isinstance(part, np.ndarray):

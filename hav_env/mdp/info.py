@@ -1,11 +1,14 @@
 """This module reports on each HAV (``info``): running totals of an episode, by name."""
 
+from typing import Any
+
 from hav_env.compiled import generic, kernel
 from hav_env.world.arrays import (
     ACTUAL,
     DISTANCE,
     EPISODE,
     HIT_DISTANCE,
+    INTERVENTIONS,
     LARGEST,
     NEVER,
     PATH,
@@ -31,9 +34,10 @@ REPORT = (
     "path_length",
     "steps",
     "seed",
-    "episode_number",  # "episode" is what RecordEpisodeStatistics writes
+    "episode_number",  # "episode" is the key that RecordEpisodeStatistics writes
 )
 OBSTACLE_REPORT = tuple(event.name for event in EVENTS if event.obstacles)
+FILTER_REPORT = ("interventions",)
 _NUM_EVENTS = len(EVENTS) - len(OBSTACLE_REPORT)
 _TOLD_SUCCESS = REPORT.index("is_success")
 _TOLD_HITS = REPORT.index("goals_hit")
@@ -49,22 +53,35 @@ _TOLD_SEED = REPORT.index("seed")
 _TOLD_EPISODE = REPORT.index("episode_number")
 
 
+def name_numbers(reward: Any, obstacles: bool, filtered: bool) -> tuple[str, ...]:
+    """Return the names of the infos of a HAV.
+
+    Args:
+        reward: Reward whose terms are reported.
+        obstacles: Whether worlds have obstacles.
+        filtered: Whether a safety filter changes commands.
+    """
+    returns = (f"return_{term}" for term in reward._fields)
+    names = *REPORT, *returns, *(OBSTACLE_REPORT if obstacles else ())
+    return (*names, *FILTER_REPORT) if filtered else names
+
+
 @kernel
 def write_report(world, agent, remaining, report):
     """Write the report on one HAV in every lane of a block of worlds.
 
     Args:
-        world: the block.
-        agent: the HAV.
+        world: Block of worlds.
+        agent: Index of the HAV.
         remaining: (N, W) Dubins length to the goal under way [m].
-        report: (len(REPORT), N, W) to be written.
+        report: (len(REPORT), N, W) to write.
     """
     first, total, clock = world.record.first, world.record.total, world.state.clock
     num_goals = world.goals.shape[1]
     for lane in range(world.lanes):
         waits, phase = world.state.waiting[agent, lane], goal_under_way(world.state, agent, lane)
         distance, left = world.state.goal[agent, DISTANCE, lane], remaining[agent, lane]
-        if waits:  # where it stopped: it may have been removed since
+        if waits:  # its last position: it may have been removed since
             distance, left = world.record.goal[agent, phase, HIT_DISTANCE, lane], 0.0
         report[_TOLD_WAITS, agent, lane] = waits
         report[_TOLD_DISTANCE, agent, lane] = distance
@@ -87,24 +104,42 @@ def write_report(world, agent, remaining, report):
         report[_TOLD_EPISODE, agent, lane] = clock[EPISODE, lane]
 
 
-@generic
-def write_obstacle_report(place, world, agent, report):
-    """Write in every lane whether a HAV has collided with an obstacle, where there are any.
+@kernel
+def write_interventions(world, agent, report):
+    """Write, in every lane, the number of steps in which a safety filter changed a HAV's command.
 
     Args:
-        place: of the block.
-        world: the block.
-        agent: the HAV.
-        report: (len(OBSTACLE_REPORT), N, W) to be written.
+        world: A block of worlds.
+        agent: Index of the HAV.
+        report: (len(FILTER_REPORT), N, W) to write; empty without a filter.
+    """
+    if report.shape[0] > 0:
+        for lane in range(world.lanes):
+            report[0, agent, lane] = world.record.total[agent, INTERVENTIONS, lane]
+
+
+@generic
+def write_obstacle_report(place, world, agent, report):
+    """Write, in every lane, whether a HAV has collided with an obstacle, if the world has any.
+
+    Args:
+        place: Place of the block.
+        world: Block of worlds.
+        agent: Index of the HAV.
+        report: (len(OBSTACLE_REPORT), N, W) to write, and more.
+
+    Returns:
+        Number of rows that it has written.
     """
 
 
 @write_obstacle_report.register(Plane)
 def _write_nothing(place, world, agent, report):
-    pass
+    return 0
 
 
 @write_obstacle_report.register(Obstacles)
 def _write_hits(place, world, agent, report):
     for lane in range(world.lanes):
         report[0, agent, lane] = obstacle_hit_at(place, world, agent, lane) != NEVER
+    return 1

@@ -1,7 +1,7 @@
 """This module computes rewards: named terms with weights, each reported under its name.
 
-A reward is a NamedTuple of weights. Its type selects the kernel that works out its terms. The field
-``progress`` is the weight of the term of that name. A HAV that waits gets nothing.
+A reward is a NamedTuple of weights. Its type selects the kernel that computes its terms. The field
+``progress`` is the weight of the term of that name. A waiting HAV gets the reward 0.
 """
 
 import functools
@@ -30,8 +30,8 @@ from hav_env.world.event_table import obstacle_hit_at
 from hav_env.world.goals import goals_hit
 from hav_env.world.sensing import neighbor_id, num_neighbors
 
-# what was so before the action, of each HAV: whether it waited, goals hit, Dubins length to the
-# goal [m], ever jackknifed, ever in an actual collision, ever in one with an obstacle
+# state of each HAV before the action: whether it waited, goals hit, Dubins length to the goal
+# [m], whether it ever jackknifed, collided (actual collision), collided with an obstacle
 WAITED, HITS, REMAINING, JACKKNIFED, COLLIDED, AT_OBSTACLE, BEFORE_SIZE = range(7)
 
 
@@ -39,33 +39,37 @@ class Reward(NamedTuple):
     """Weights of the terms; the reward of a step is the sum of weight times term."""
 
     progress: Weight = 0.1
-    """For each metre by which the Dubins path to the goal under way, drivable, became shorter.
-    Over an episode these add up to the lengths of the paths at their beginnings less what is left
-    at the end (potential-based: Ng, Harada and Russell, 1999), so nothing can be gained by driving
-    to and fro."""
+    """Per metre by which the drivable Dubins path to the goal under way became shorter. Over an
+    episode, these terms sum to the lengths of the paths at their beginnings minus the length that
+    is left at the end. The term is potential-based (Ng, Harada and Russell, 1999), so driving to
+    and fro gains nothing.
+    """
     goal: Weight = 10.0
-    """For a goal that was hit."""
+    """Per goal hit."""
     jackknife: Weight = -10.0
     """For the first jackknife of an episode."""
     actual_collision: Weight = -10.0
     """For the first actual collision of an episode."""
     potential_collision: Weight = -1.0
-    """For each second, times how deep the footprint circle of the nearest HAV has been entered: 0
-    at the collision distance, 1 where both trucks are at the same place."""
+    """Per second, times the depth in the footprint circle of the nearest HAV: 0 at the collision
+    distance, 1 at zero distance between both trucks.
+    """
     proximity: Weight = 0.0
-    """For each second, times how near the truck's front axle is to the chain of another HAV,
-    squared: 0 from 5 m on, 1 where they touch. Not worked out where its weight is 0."""
+    """Per second, times the squared nearness of the truck's front axle to the chain of another HAV:
+    0 from 5 m on, 1 at contact. Not computed if its weight is 0.
+    """
     articulation: Weight = -0.1
-    """For each second, times how near the largest articulation is to its limit, squared: 0 up to
-    half of the limit, 1 at the limit."""
+    """Per second, times the squared nearness of the largest articulation to its limit: 0 up to half
+    of the limit, 1 at the limit.
+    """
     steering: Weight = -0.01
-    """For each second, times the square of steering over its maximum."""
+    """Per second, times the squared ratio of steering to its maximum."""
     time: Weight = -0.02
-    """For each second."""
+    """Per second."""
 
 
 _TERM = place_names(Reward._fields)
-_PROXIMITY_RANGE = 5.0  # [m], what is near
+_PROXIMITY_RANGE = 5.0  # [m], range of the proximity term
 
 
 @generic
@@ -78,15 +82,16 @@ def reward_terms(
     remaining: np.ndarray,
     terms: np.ndarray,
 ) -> None:
-    """Work out the terms of one HAV in every lane of a block of worlds, after an action.
+    """Compute the terms of one HAV in every lane of a block of worlds, after an action.
 
     Args:
-        reward: the weights; their type selects the kernel, which writes the terms without them.
-        duration: of the action [s].
-        world: the block after the action.
-        agent: which HAV.
+        reward: Weights; their type selects the kernel, and the kernel writes the terms without
+            weights.
+        duration: Duration of the action [s].
+        world: Block of worlds after the action.
+        agent: Index of the HAV.
         before: (N, BEFORE_SIZE, W) columns WAITED .. AT_OBSTACLE, from before the action.
-        remaining: (N, W) Dubins length to the goal under way [m], after the action.
+        remaining: (N, W) Dubins length to the goal under way after the action [m].
         terms: (T, N, W) terms to write, in the order of the fields. The caller ignores those of a
             HAV that waited before the action.
     """
@@ -94,9 +99,9 @@ def reward_terms(
 
 @functools.singledispatch
 def harm_terms(reward: Any) -> tuple[str, ...]:
-    """Return the names of the terms that stand for harm: a curriculum may let them weigh less.
+    """Return the names of the terms that penalise harm: a curriculum may reduce their weights.
 
-    A reward of your own registers a function of its type that names them; without one, none do.
+    A custom reward registers a function of its type that returns these names; the default is none.
     """
     return ()
 
@@ -110,15 +115,15 @@ def check_reward(reward: Any) -> None:
     """Check the weights.
 
     Raises:
-        ValueError: naming the weight, its value and what is allowed.
-        TypeError: when this is no reward, or a weight is no number.
+        ValueError: If a weight is invalid; the message names it, its value and the rule.
+        TypeError: If this is not a reward, or a weight is not a number.
     """
     check_model("reward", reward, reward_terms)
 
 
 @kernel
 def note_before(world, agent, remaining, before):
-    """Write down what the terms of the next action compare with."""
+    """Record the values that the terms of the next action compare with."""
     first = world.record.first
     for lane in range(world.lanes):
         waits = world.state.waiting[agent, lane]
@@ -138,11 +143,11 @@ def note_before(world, agent, remaining, before):
 @reward_terms.register(Reward)
 @kernel
 def default_terms(reward, duration, world, agent, before, remaining, terms):
-    """Work out the terms of ``Reward``."""
+    """Compute the terms of ``Reward``."""
     state, limit, first = world.state, world.fleet.limit, world.record.first
     for lane in range(world.lanes):
         hits = goals_hit(world, agent, lane) - before[agent, HITS, lane]
-        # a goal that is hit has been reached; the path that is left leads to the next one
+        # at a hit the old goal's path is complete; ``remaining`` already belongs to the next goal
         left = 0.0 if hits > 0.0 else remaining[agent, lane]
         terms[_TERM.goal, agent, lane] = hits
         terms[_TERM.progress, agent, lane] = before[agent, REMAINING, lane] - left
@@ -167,7 +172,7 @@ def default_terms(reward, duration, world, agent, before, remaining, terms):
 
 @kernel
 def _articulation_terms(duration, world, agent, terms):
-    """Work out how near the largest articulation is to its limit."""
+    """Compute the nearness of the largest articulation to its limit."""
     heading, limit = world.state.heading, world.fleet.limit
     for lane in range(world.lanes):
         terms[_TERM.articulation, agent, lane] = 0.0
@@ -186,9 +191,10 @@ def _articulation_terms(duration, world, agent, terms):
 
 @kernel
 def _collision_terms(duration, world, agent, terms):
-    """Work out how deep the footprint circle of another HAV has been entered, at most.
+    """Compute the largest depth in the footprint circle of another HAV.
 
-    Circles do not overlap out of sensing range. So few HAVs all count, which takes no branch.
+    Circles do not overlap beyond sensing range. In small worlds every HAV is compared, without a
+    branch on the neighbour list.
     """
     num_havs = world.state.x.shape[0]
     for lane in range(world.lanes):
@@ -215,7 +221,7 @@ def _collision_terms(duration, world, agent, terms):
 
 @kernel
 def _squared_share(world, agent, other, lane):
-    """Return the square of the distance between two trucks over their collision distance."""
+    """Return the squared ratio of two trucks' distance to their collision distance."""
     dx = world.state.x[other, lane] - world.state.x[agent, lane]
     dy = world.state.y[other, lane] - world.state.y[agent, lane]
     allowed = collision_distance(world.fleet, agent, other, lane)
@@ -224,7 +230,7 @@ def _squared_share(world, agent, other, lane):
 
 @kernel
 def _nearness(world, agent, lane):
-    """Return how near the truck's front is to the nearest chain: from 0 to 1."""
+    """Return the nearness of the truck's front to the nearest chain, from 0 to 1."""
     nearness = 0.0
     for k in range(num_neighbors(world, agent, lane)):
         other = neighbor_id(world, agent, k, lane)

@@ -1,4 +1,4 @@
-"""This module tries a reward of the user's as plain Python, before it is compiled."""
+"""This module tries a user's reward as plain Python before compilation."""
 
 from typing import Any
 
@@ -9,13 +9,13 @@ from hav_env.simulator.trial import attempt, sample_worlds
 
 
 def try_reward(reward: Any) -> None:
-    """Work out the terms of one HAV once; see ``hav_env.simulator.trial.attempt``.
+    """Compute the terms of one HAV once; see ``hav_env.simulator.trial.attempt``.
 
     Args:
-        reward: of any registered class.
+        reward: Reward of any registered class.
 
     Raises:
-        ValueError: when the kernel raises, or leaves a term out, naming file and line.
+        ValueError: If the kernel raises or does not write a term; the message names file and line.
     """
 
     def call() -> str:

@@ -1,4 +1,4 @@
-"""This module names the rewards that environments and trainings take by name."""
+"""This module names the rewards that environments and training scripts take by name."""
 
 from hav_env.mdp.reward import Reward, reward_terms
 from hav_env.mdp.site_reward import SiteReward

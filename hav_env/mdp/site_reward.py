@@ -1,4 +1,4 @@
-"""This module has the reward for sites: the default one, and what obstacles cost."""
+"""This module has the reward for sites: the default reward and penalties for obstacles."""
 
 import math
 from typing import NamedTuple
@@ -14,11 +14,11 @@ from hav_env.world.obstacles.nearest import nearest_to
 from hav_env.world.place.segments import num_segments
 
 _DEFAULT = Reward()
-_RANGE = 5.0  # [m], what is near
+_RANGE = 5.0  # [m], range of the proximity term
 
 
 class SiteReward(NamedTuple):
-    """Weights of the terms among obstacles; all but the last two are those of ``Reward``."""
+    """Weights of the terms among obstacles; all but the last two equal those of ``Reward``."""
 
     progress: Weight = _DEFAULT.progress
     goal: Weight = _DEFAULT.goal
@@ -32,8 +32,9 @@ class SiteReward(NamedTuple):
     obstacle_collision: Weight = -10.0
     """For the first collision of an episode with an obstacle."""
     obstacle_proximity: Weight = 0.0
-    """For each second, times how near an obstacle is to the middle of the truck's front, squared: 0
-    from 5 m on, 1 where they touch. Not worked out where its weight is 0."""
+    """Per second, times the squared nearness of an obstacle to the middle of the truck's front: 0
+    from 5 m on, 1 at contact. Not computed if its weight is 0.
+    """
 
 
 _TERM = place_names(SiteReward._fields)
@@ -41,7 +42,7 @@ _TERM = place_names(SiteReward._fields)
 
 @reward_terms.register(SiteReward)
 def site_terms(reward, duration, world, agent, before, remaining, terms):
-    """Work out the terms of ``SiteReward``."""
+    """Compute the terms of ``SiteReward``."""
     default_terms(reward, duration, world, agent, before, remaining, terms)
     for lane in range(world.lanes):
         hit = 1.0 if obstacle_hit_at(world.place, world, agent, lane) != NEVER else 0.0
@@ -55,7 +56,7 @@ def site_terms(reward, duration, world, agent, before, remaining, terms):
 
 @kernel
 def _nearness(world, agent, lane):
-    """Return how near the nearest obstacle is to the truck's front: from 0 to 1."""
+    """Return the nearness of the nearest obstacle to the truck's front, from 0 to 1."""
     x, y = front_end(world.fleet.bodies, world, agent, lane)
     least = _RANGE * _RANGE
     for number in range(num_segments(world.place, lane)):

@@ -11,11 +11,11 @@ import typing
 from collections.abc import Callable
 from typing import Annotated, Any, ForwardRef, NamedTuple
 
-_MOST_SHOWN = 100  # characters of a value that an error shows
+_MOST_SHOWN = 100  # characters of a value in an error
 
 
 class Range(NamedTuple):
-    """The numbers that a field may hold, both bounds among them."""
+    """The range of a field, bounds included."""
 
     low: float
     high: float
@@ -33,7 +33,7 @@ class Range(NamedTuple):
 
 @functools.cache
 def kinds_of(model_class: Any) -> dict[str, Any]:
-    """Return the annotations of the fields of a model; ``Any`` for one that nobody can resolve."""
+    """Return the annotations of the fields of a model; ``Any`` for one that cannot be resolved."""
     found: dict[str, Any] = {}
     for part in reversed(model_class.__mro__):
         names = vars(sys.modules.get(part.__module__, typing))
@@ -49,7 +49,7 @@ def _resolve(kind: Any, names: dict[str, Any]) -> Any:
         return kind
     try:
         return eval(text, dict(names))
-    except Exception:  # a name that only type checkers know
+    except Exception:  # a name that exists for type checkers only
         return Any
 
 
@@ -62,7 +62,7 @@ def split_range(kind: Any) -> tuple[Any, Range | None]:
 
 
 def is_model(value: Any) -> bool:
-    """Tell whether a value is a NamedTuple or a dataclass; a class is none."""
+    """Return whether a value is an instance of a NamedTuple or a dataclass."""
     named = hasattr(value, "_asdict") and not isinstance(value, type)
     return named or dataclasses.is_dataclass(type(value))
 
@@ -75,20 +75,20 @@ def values_of(model: Any) -> dict[str, Any]:
 
 
 def is_number(value: Any) -> bool:
-    """Tell whether a value is a real number, of Python's or NumPy's; a bool is none."""
+    """Return whether a value is a real number of Python or NumPy; a bool is not."""
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
 
 
 def show(value: Any, how: Callable[[Any], str] = repr) -> str:
-    """Return a value in one line that is not too long."""
+    """Return a value as one short line."""
     try:
         text = " ".join(how(value).split())
-    except Exception:  # a whole number of 5,000 digits cannot be written; others' code may fail
+    except Exception:  # Python does not print a whole number of 5,000 digits; users' code may fail
         text = f"{with_article(type(value))} that cannot be shown"
     return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]} ..."
 
 
 def with_article(kind: type | str) -> str:
-    """Return a name, or that of a type, as a sentence needs it: "an int", "a Task"."""
+    """Return a name, or that of a type, with its article: "an int", "a Task"."""
     name = kind if isinstance(kind, str) else kind.__name__
     return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"

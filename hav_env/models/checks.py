@@ -37,8 +37,8 @@ def check_model(kind: str, model: Any, stub: Any) -> None:
         stub: the generic kernel with which its type must be registered.
 
     Raises:
-        TypeError: when the type is not registered, or a field has a value of another kind.
-        ValueError: naming the field, its value and what is allowed.
+        TypeError: if the type is not registered, or a field has a value of another kind.
+        ValueError: if a field is outside its range; the message names its value and the rule.
     """
     if type(model) not in stub.table:
         told = f"{show(model)} is not a {kind}: register its type with {stub.__name__}"
@@ -47,15 +47,15 @@ def check_model(kind: str, model: Any, stub: Any) -> None:
 
 
 def check_fields(kind: str, model: Any) -> None:
-    """Check all fields of a model by their annotations, then what they must be to each other.
+    """Check all fields of a model by their annotations, then the relations between them.
 
     Args:
-        kind: kind of model, for the message; a model in a field goes by the field's name.
+        kind: kind of model, for the message; for a model in a field, the field's name.
         model: a NamedTuple or a dataclass.
 
     Raises:
-        TypeError: when a field has a value of another kind.
-        ValueError: naming the field, its value and what is allowed.
+        TypeError: if a field has a value of another kind.
+        ValueError: if a field is outside its range; the message names its value and the rule.
     """
     if not is_model(model):
         raise TypeError(f"{kind} is {show(model)}, but must be a NamedTuple")
@@ -68,9 +68,9 @@ def check_fields(kind: str, model: Any) -> None:
 
 @functools.singledispatch
 def check_relations(model: Any) -> None:
-    """Check what the fields of a model must be to each other; each has been checked by itself.
+    """Check the relations between the fields of a model, after the check of each field.
 
-    Registered by models that demand it; raises ValueError.
+    Models with such relations register a function that raises ValueError.
     """
 
 
@@ -78,7 +78,7 @@ def require(allowed: bool, kind: str, model: Any, field: str, rule: str) -> None
     """Raise ValueError, naming the field, its value and the rule, unless the value is allowed.
 
     Args:
-        allowed: whether it is.
+        allowed: whether the value is allowed.
         kind: kind of model, for the message.
         model: a NamedTuple.
         field: name of one of its fields.
@@ -94,13 +94,14 @@ def check_value(name: str, kind: Any, value: Any) -> None:
     """Check one value.
 
     Args:
-        name: of the argument, for the message.
-        kind: an annotation, ``Annotated`` where a range is stated.
-        value: value that the user gave.
+        name: name of the argument, for the message.
+        kind: an annotation, ``Annotated`` with a range.
+        value: value that the user passed.
 
     Raises:
-        TypeError: when the value is of another kind.
-        ValueError: naming the argument, its value and what is allowed.
+        TypeError: if the value is of another kind.
+        ValueError: if it is outside its range; the message names the argument, its value and the
+            rule.
     """
     base, allowed = split_range(kind)
     origin, parts = typing.get_origin(base), typing.get_args(base)
@@ -128,7 +129,7 @@ def _check_number(name: str, allowed: Range, value: Any, whole: str = "") -> Non
     if not is_number(value):
         told = f"{name} is {show(value, str)}, {with_article(type(value))} and not a {whole}number"
         raise TypeError(f"{told}, but must be {allowed.rule}")
-    # a short float of NumPy cannot be compared with bounds that it cannot hold
+    # a short float of NumPy fails in a comparison with bounds beyond its own range
     plain = float(value) if isinstance(value, np.floating) else value
     if not allowed.low <= plain <= allowed.high:
         raise ValueError(f"{name} is {show(value, str)}, but must be {allowed.rule}")
@@ -156,7 +157,7 @@ def _check_array(name: str, allowed: Range, value: Any) -> None:
     if not isinstance(value, np.ndarray) or value.dtype.kind not in "iuf":
         told = f"{name} is {show(value, str)}, {with_article(type(value))}"
         raise TypeError(f"{told}, but must be an array of real numbers")
-    if allowed.low == -np.inf and allowed.high == np.inf:  # the model looks at each by itself
+    if allowed.low == -np.inf and allowed.high == np.inf:  # the model checks each by itself
         return
     with np.errstate(over="ignore"):
         plain = value.astype(np.float64)
@@ -171,7 +172,7 @@ def _check_union(name: str, kinds: tuple, value: Any) -> None:
         return
     *others, last = [kind for kind in kinds if kind is not type(None)]
     models = [kind for kind in kinds if hasattr(kind, "_fields")]
-    if len(models) == len(kinds):  # the value's own kind says what is wrong with it
+    if len(models) == len(kinds):  # the check of the value's own kind names the mistake
         for model in models:
             if isinstance(value, model):
                 return check_value(name, model, value)
@@ -203,7 +204,7 @@ def _check_instance(name: str, base: type, value: Any) -> None:
 
 
 def _check_anything(name: str, value: Any) -> None:
-    """Check a value of which nothing is stated: numbers are finite."""
+    """Check a value without an annotation: numbers must be finite."""
     if is_model(value):
         check_fields(name.rpartition(" ")[2], value)
     elif isinstance(value, np.ndarray):

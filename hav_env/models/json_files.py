@@ -1,4 +1,4 @@
-"""This module reads JSON files that others made: of bounded size, no entry twice in an object."""
+"""This module reads JSON files of bounded size, and rejects duplicate entries."""
 
 import json
 import os
@@ -13,19 +13,20 @@ Made = TypeVar("Made")
 def read_json(
     path: str | os.PathLike[str], kind: str, most_bytes: int, make: Callable[[Any], Made]
 ) -> Made:
-    """Return what is made of the content of a JSON file.
+    """Return the result of a function of the content of a JSON file.
 
     The file is in UTF-8, UTF-16 or UTF-32, with a byte order mark or without.
 
     Args:
-        path: of the file.
-        kind: of the file, for messages.
-        most_bytes: a larger file is refused.
-        make: takes what JSON has made of the file; its TypeError and ValueError are told with the
-            file.
+        path: path of the file.
+        kind: kind of the file, for messages.
+        most_bytes: largest size of the file [bytes].
+        make: function of the parsed JSON; the messages of its TypeError and ValueError get the name
+            of the file.
 
     Raises:
-        ValueError: naming the file and what is wrong with it; OSError: when it cannot be read.
+        ValueError: if the file is wrong; the message names it and the rule. OSError: if the system
+            cannot read it.
     """
     with open(path, "rb") as file:
         content = file.read(most_bytes + 1)
@@ -44,7 +45,7 @@ def read_json(
 
 
 class _TwiceError(Exception):
-    """An object has an entry twice."""
+    """An object has a duplicate entry."""
 
 
 def _collect(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""This module checks what a JSON file holds by a JSON Schema, and names the place of a mistake."""
+"""This module checks JSON by a JSON Schema, and names the place of a mistake."""
 
 import functools
 import json
@@ -21,11 +21,11 @@ def check_document(schema: dict[str, Any], value: Any, place: str) -> None:
 
     Args:
         schema: the schema, as read from its own file.
-        value: value to check; what is missing and has a default is filled in.
+        value: value to check; missing entries get their defaults.
         place: name of the value, for the message.
 
     Raises:
-        ValueError: naming the place, its value and what is allowed.
+        ValueError: if an entry is wrong; the message names its value and the rule.
     """
     validate, mistake = _compiled(json.dumps(schema))
     try:
@@ -36,14 +36,14 @@ def check_document(schema: dict[str, Any], value: Any, place: str) -> None:
 
 @functools.cache
 def _compiled(schema: str) -> tuple[Callable[[Any], Any], type[Exception]]:
-    """Return what checks a document, and the error that it raises."""
+    """Return the validator of a document, and the error that it raises."""
     import fastjsonschema  # noqa: PLC0415  # only files need it
 
     return fastjsonschema.compile(json.loads(schema)), fastjsonschema.JsonSchemaValueException
 
 
 def _explain(error: Any, place: str) -> str:
-    """Return what is wrong, in the words of all other checks."""
+    """Return the mistake in the words of all other checks."""
     place, value = place + error.name.removeprefix("data"), error.value
     allowed = error.rule_definition
     if error.rule in _BOUNDS:

@@ -1,17 +1,17 @@
-"""This module refuses sizes that need more memory than the machine has."""
+"""This module rejects sizes that need more memory than the machine has."""
 
 import os
 import pathlib
 
-_UNKNOWN = 2**35  # bytes, where the system does not say how many it has
+_UNKNOWN = 2**35  # bytes, if the system does not report its memory
 _CONTAINER_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 
 
 def check_memory(name: str, value: int, needed: float) -> None:
-    """Raise ValueError when arrays need more memory than there is.
+    """Raise ValueError if arrays need more memory than the machine has.
 
     Args:
-        name: name of the argument to blame.
+        name: name of the argument that sets the size.
         value: value of that argument.
         needed: memory of the arrays [bytes].
     """
@@ -22,7 +22,7 @@ def check_memory(name: str, value: int, needed: float) -> None:
 
 
 def available_memory() -> int:
-    """Return how many bytes this process may use: those of the machine, or of its container."""
+    """Return the memory of this process [bytes]: that of the machine or of its container."""
     if "SC_PHYS_PAGES" in getattr(os, "sysconf_names", {}):
         most = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     else:

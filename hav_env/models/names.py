@@ -1,33 +1,36 @@
 """This module finds models by name: built-in names, entry points, files and ``module:Class``.
 
-Every kind of model has a registry of its own, and ``find_model`` asks all of them. A package of
-your own registers names in its pyproject.toml, where the group is the registry's::
+Every kind of model has a registry of its own; ``hav_env.find_model`` reads all of them. A package
+of your own registers names in its pyproject.toml, where the group is the registry's::
 
     [project.entry-points."hav_env.policies"]
     my_policy = "my_package.my_module:MyPolicy"
     ".suffix" = "my_package.my_module:read_file"
 """
 
+import functools
 import importlib
 import importlib.metadata
 import os
 import pathlib
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from hav_env.models.annotations import show, with_article
+from hav_env.models.text import suggest
 
 REGISTRIES: dict[str, "Registry"] = {}
-"""Of each kind of model: "policy", "scenario", "vehicle", "reward"."""
+"""Registries by kind of model: "policy", "scenario", "vehicle", "reward"."""
 
 
 class Registry:
     """The names of one kind of model.
 
     Attributes:
-        kind: of model, as errors call it.
-        group: of the entry points that add names; an entry point whose name begins with a dot reads
-            files with that suffix.
+        kind: kind of model, as errors name it.
+        group: group of the entry points that add names; an entry point whose name begins with a dot
+            reads files with that suffix.
     """
 
     def __init__(
@@ -39,13 +42,13 @@ class Registry:
         built_in: Mapping[str, Any] | None = None,
         readers: Mapping[str, Callable[[Any], Any]] | None = None,
     ) -> None:
-        """Begin a registry, under which ``find_model`` finds models of this kind.
+        """Create a registry, which ``find_model`` searches for models of this kind.
 
         Args:
-            kind: kind of model, as errors call it.
+            kind: kind of model, as errors name it.
             group: group of the entry points that add names.
-            is_registered: tells whether a class has a kernel.
-            remedy: advice to the user about a class that has none, for the message.
+            is_registered: function that returns whether a class has a kernel.
+            remedy: advice to the user about a class without a kernel, for the message.
             built_in: models or classes of models, by name.
             readers: functions that read a model from a file, by the file's suffix.
         """
@@ -55,23 +58,23 @@ class Registry:
         REGISTRIES[kind] = self
 
     def names(self) -> list[str]:
-        """Return all names, those of other packages among them."""
+        """Return all names, those of other packages included."""
         return [*self._built_in, *(name for name in self._entries() if name[0] != ".")]
 
     def known(self) -> str:
-        """Return what ``find`` takes, for messages and help."""
-        suffixes = [*self._readers, *(name for name in self._entries() if name[0] == ".")]
-        return ", ".join([*self.names(), *(f"FILE{suffix}" for suffix in suffixes), "module:Class"])
+        """Return a description of the arguments of ``find``, for messages and help."""
+        files = [f"FILE{suffix}" for suffix in self._suffixes()]
+        return ", ".join([*self.names(), *files, "module:Class"])
 
     def find(self, name: str | os.PathLike[str]) -> Any:
-        """Return a model, or a class of models whose parameters have yet to be chosen.
+        """Return a model, or a class of models without parameters yet.
 
         Args:
             name: a name, ``module:Class``, or the path of a file; a ``PathLike`` is always a file.
 
         Raises:
-            TypeError: when ``name`` is neither text nor a path.
-            ValueError: when there is no such model, or it cannot be loaded.
+            TypeError: if ``name`` is neither text nor a path.
+            ValueError: if there is no such model, or Python cannot load it.
         """
         if not isinstance(name, str | os.PathLike):
             told = f"{self.kind} is {show(name)}, but must be a name or the path of a file"
@@ -84,12 +87,18 @@ class Registry:
         reader = self._reader_of(name, entries)
         if reader is not None:
             if not _is_file(name):
-                raise ValueError(f"there is no {self.kind} file {show(os.fspath(name), str)}")
+                told = f"there is no {self.kind} file {show(os.fspath(name), str)}"
+                raise ValueError(told + self._nearest(os.fspath(name)))
             return reader(name)
         module, _, attribute = os.fspath(name).partition(":")
+        if module.endswith(".py"):
+            dotted = ".".join(pathlib.PurePath(module).with_suffix("").parts)
+            rule = f"must be module:Class (did you mean '{dotted}:{attribute or 'Class'}'?)"
+            raise ValueError(f"{self.kind} is {show(name)}, but {rule}")
         if isinstance(name, str) and module and attribute:
-            return self._load(name, lambda: getattr(importlib.import_module(module), attribute))
-        raise ValueError(f"unknown {self.kind} {show(name)}; known: {self.known()}")
+            return self._load(name, lambda: self._import(module, attribute))
+        near = self._nearest(os.fspath(name))
+        raise ValueError(f"unknown {self.kind} {show(name)}{near}; known: {self.known()}")
 
     def make(self, model: Any, **parameters: Any) -> Any:
         """Return a model with these parameters; the others are its defaults.
@@ -99,8 +108,8 @@ class Registry:
             parameters: fields of the model.
 
         Raises:
-            TypeError: when the model has no such parameter, or one without a default is missing.
-            ValueError: when there is no such model.
+            TypeError: if the model has no such parameter, or one without a default is missing.
+            ValueError: if there is no such model.
         """
         found = self.find(model) if isinstance(model, str | os.PathLike) else model
         made: Any = found if isinstance(found, type) else type(found)
@@ -115,11 +124,51 @@ class Registry:
         except TypeError as error:
             raise TypeError(f"{self.kind} {made.__name__} cannot be made: {error}") from None
 
+    def _suffixes(self) -> list[str]:
+        """Return the suffixes of the files that this registry reads."""
+        return [*self._readers, *(name for name in self._entries() if name[0] == ".")]
+
+    def _nearest(self, text: str) -> str:
+        """Return a suggestion in place of a wrong name: a file in that folder, a name or a file."""
+        path = pathlib.Path(text)
+        inside = _files_in(path, self._suffixes()) if text else []
+        if inside:
+            return f" (did you mean {inside[0]!r}?)"
+        if text.isidentifier() and _is_file(f"{text}.py"):
+            return f" (did you mean '{text}:Class'?)"
+        files = {pathlib.Path(file).stem: file for file in _files_in(path.parent, self._suffixes())}
+        return suggest(text, self.names()) or suggest(path.stem, files, files.__getitem__)
+
+    def _import(self, module: str, attribute: str) -> Any:
+        """Return an attribute of a module.
+
+        Raises:
+            ImportError, AttributeError: if there is none; the message has the nearest name.
+        """
+        try:
+            found = importlib.import_module(module)
+        except ModuleNotFoundError as error:
+            if error.name != module:
+                raise
+            stems = [path.stem for path in pathlib.Path().glob("*.py")]
+            near = suggest(module, stems, lambda stem: f"{stem}:{attribute}")
+            raise ImportError(f"there is no module {module!r}{near}") from None
+        if not hasattr(found, attribute):
+            models = [
+                name
+                for name, value in vars(found).items()
+                if isinstance(value, type) and self._is_registered(value)
+            ]
+            near = suggest(attribute, models, lambda model: f"{module}:{model}")
+            raise AttributeError(f"module {module!r} has no {attribute!r}{near}")
+        return getattr(found, attribute)
+
     def _entries(self) -> dict[str, importlib.metadata.EntryPoint]:
-        return {entry.name: entry for entry in importlib.metadata.entry_points(group=self.group)}
+        found = _all_entries(importlib.metadata.entry_points, tuple(sys.path))
+        return {entry.name: entry for entry in found.select(group=self.group)}
 
     def _reader_of(self, name: Any, entries: Mapping[str, Any]) -> Callable[[Any], Any] | None:
-        """Return what reads the file of a name; None where the name is not that of a file."""
+        """Return the reader of a file by its name; None if the name is not that of a file."""
         suffix = pathlib.PurePath(name).suffix.lower()
         if suffix in self._readers:
             return self._readers[suffix]
@@ -130,7 +179,7 @@ class Registry:
         return next(iter(self._readers.values()), None)  # a path without a suffix
 
     def _load(self, name: str, load: Callable[[], Any]) -> Any:
-        """Return what code outside this package offers under a name."""
+        """Return the object of other packages with a name."""
         try:
             found = load()
         except (ImportError, AttributeError) as error:
@@ -143,20 +192,20 @@ class Registry:
         return found
 
 
-def find_model(kind: str, name: str | os.PathLike[str]) -> Any:
-    """Return the model, or the class of models, that has a name.
+@functools.lru_cache(1)
+def _all_entries(
+    read: Callable[[], importlib.metadata.EntryPoints], path: tuple[str, ...]
+) -> importlib.metadata.EntryPoints:
+    """Return the entry points of all packages on a search path; reading them takes its time."""
+    return read()
 
-    Args:
-        kind: "policy", "scenario", "vehicle" or "reward".
-        name: of the model, ``module:Class``, or the path of a file.
 
-    Raises:
-        TypeError: when ``name`` is neither text nor a path.
-        ValueError: when there is no such kind or model, or the model cannot be loaded.
-    """
-    if kind not in REGISTRIES:
-        raise ValueError(f"kind is {kind!r}, but must be {' or '.join(map(repr, REGISTRIES))}")
-    return REGISTRIES[kind].find(name)
+def _files_in(folder: pathlib.Path, suffixes: list[str]) -> list[str]:
+    """Return the paths of the files in a folder that have one of the suffixes, as text."""
+    try:
+        return sorted(str(path) for path in folder.iterdir() if path.suffix in suffixes)
+    except (OSError, ValueError):  # no folder, or no path
+        return []
 
 
 def _is_file(path: str | os.PathLike[str]) -> bool:

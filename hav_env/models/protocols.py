@@ -1,7 +1,7 @@
 """This module defines models for type checkers: policies, scenarios, vehicles, rewards.
 
 A model is a NamedTuple of its parameters. A module registers its class with the generic kernel of
-its kind. Type checkers do not see that; ``check_policy``, ``check_scenario`` and the like do.
+its kind. Type checkers do not verify that; ``check_policy``, ``check_scenario`` and the like do.
 """
 
 from typing import Any, Protocol
@@ -17,11 +17,11 @@ class Model(Protocol):
 
 
 class Policy(Model, Protocol):
-    """Parameters of what drives HAVs; registered with ``hav_env.act`` or ``hav_env.act_lanes``."""
+    """Parameters of a policy; registered with ``hav_env.act`` or ``hav_env.act_lanes``."""
 
 
 class Vehicle(Model, Protocol):
-    """Parameters of how a HAV moves; registered with ``hav_env.move``."""
+    """Parameters of the motion of a HAV; registered with ``hav_env.move``."""
 
 
 class RewardTerms(Model, Protocol):
@@ -29,7 +29,7 @@ class RewardTerms(Model, Protocol):
 
 
 class FleetLimits(Protocol):
-    """The limits of all HAVs that a scenario can bring."""
+    """The limits of all HAVs of a scenario."""
 
     @property
     def min_length(self) -> float:
@@ -41,15 +41,15 @@ class FleetLimits(Protocol):
 
     @property
     def speed_max(self) -> float:
-        """[m/s]."""
+        """Largest speed [m/s]."""
 
     @property
     def steering_max(self) -> float:
-        """[rad]."""
+        """Largest steering angle [rad]."""
 
     @property
     def articulation_max(self) -> float:
-        """A HAV is jackknifed beyond it [rad]."""
+        """Articulation above which a HAV is jackknifed [rad]."""
 
     @property
     def footprint_truck_share(self) -> float:
@@ -57,24 +57,24 @@ class FleetLimits(Protocol):
 
 
 class Scenario(Model, Protocol):
-    """Parameters of who starts where; registered with ``hav_env.populate``."""
+    """Parameters of start and goal poses; registered with ``hav_env.populate``."""
 
     @property
     def num_havs(self) -> int:
-        """N."""
+        """Number N of HAVs."""
 
     @property
     def num_goals(self) -> int:
-        """G, of each HAV."""
+        """Number G of goals of each HAV."""
 
     @property
     def max_trailers(self) -> int:
-        """The most that a HAV pulls; arrays have room for as many."""
+        """Largest number of trailers of a HAV; it sets the size of arrays."""
 
     @property
     def articulation_max(self) -> float:
-        """A HAV is jackknifed beyond it [rad]."""
+        """Articulation above which a HAV is jackknifed [rad]."""
 
     @property
     def fleet(self) -> FleetLimits:
-        """The HAVs: how they are drawn, or what is written down."""
+        """The HAVs: their distribution, or explicit ones."""

@@ -1,8 +1,8 @@
 """This module states the ranges of quantities: lengths, speeds, durations, counts.
 
-Beyond these bounds no number has a meaning. Inside them nothing overflows, ends in NaN or runs for
-ever. For example, the quickest truck turns by less than 2e15 rad in the longest episode. Up to that
-angle ``hav_env.maths.elementary.sincos`` is right.
+Beyond these bounds no number has a meaning. Inside them no computation overflows, yields NaN or
+runs without end. For example, the quickest truck turns by less than 2e15 rad in the longest
+episode. ``hav_env.maths.elementary.sincos`` is accurate up to that angle.
 """
 
 import math
@@ -44,7 +44,7 @@ AboveZero = Annotated[float, Range(ABOVE_ZERO, 1e6, said="above 0 and at most 1e
 Havs = Annotated[int, Range(1, 10_000)]  # of a world
 Seen = Annotated[int, Range(0, 1_000)]  # segments of which the nearest point is observed
 Rays = Annotated[int, Range(0, 128)]  # as many as a block has lanes
-Neighbors = Annotated[int, Range(0, 10_000)]  # who is observed, at most
+Neighbors = Annotated[int, Range(0, 10_000)]  # observed neighbours, at most
 Goals = Annotated[int, Range(1, 1_000)]  # of a HAV
 Trailers = Annotated[int, Range(1, 100)]
 Segments = Annotated[int, Range(0, 100_000)]  # of a world's obstacles

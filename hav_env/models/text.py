@@ -1,8 +1,10 @@
 """This module makes text safe to show: names may hold line breaks and escape sequences."""
 
+from collections.abc import Callable, Iterable
+
 
 def visible(text: str) -> str:
-    r"""Return a text in which characters that no terminal should act on are written out.
+    r"""Return a text with escapes for characters that a terminal would interpret.
 
     Line breaks, escape sequences, marks that reverse the direction of writing and broken characters
     of file names become ``\n``, ``\x1b``, ``\u202e`` and ``\udcff``.
@@ -15,3 +17,18 @@ def visible(text: str) -> str:
 def one_line(text: str) -> str:
     """Return a message as one line."""
     return visible(" ".join(text.split()))
+
+
+def suggest(name: str, names: Iterable[str], form: Callable[[str], str] = str) -> str:
+    """Return `` (did you mean 'x'?)`` with the name that is nearest, or nothing where none is.
+
+    Args:
+        name: The wrong name.
+        names: The right names.
+        form: Function from the nearest name to the suggestion.
+    """
+    # a misspelt name is rare, and difflib takes its time
+    import difflib  # noqa: PLC0415
+
+    near = difflib.get_close_matches(name, list(names), 1)
+    return f" (did you mean {form(near[0])!r}?)" if near else ""

@@ -1,4 +1,4 @@
-"""This package writes observations: what a HAV senses as one flat row of named columns.
+"""This package writes observations: the sensing of a HAV as one flat row of named columns.
 
 Everything is in the HAV's own frame. Lengths of units are in [0, 10], all else is in [-1, 1].
 docs/environments.md has the table of the columns, and says how to add one.
@@ -45,14 +45,14 @@ _NUM_MOTION = len(MOTION)
 
 @kernel
 def observe(observation, world, agent, scratch, columns):
-    """Write what a HAV sees in every lane of a block of worlds.
+    """Write the observation of a HAV in every lane of a block of worlds.
 
     Args:
-        observation: settled for the number of HAVs.
-        world: a block.
-        agent: which HAV.
-        scratch: a ``Scratch`` as ``plan_route`` left it.
-        columns: (D, L) to be written, in the order of ``list_columns``.
+        observation: Observation settings, as ``settle`` returns them.
+        world: Block of worlds.
+        agent: Index of the HAV.
+        scratch: Scratch rows as ``plan_route`` left them.
+        columns: (D, L) columns to write, in the order of ``list_columns``.
     """
     observe_route(world, scratch, columns, FIRST_OF_ROUTE)
     observe_itself(world, agent, scratch, columns, FIRST_OF_UNITS)

@@ -1,7 +1,7 @@
 """This module declares columns of an observation, and the scales of their values.
 
-A group of columns is a tuple of ``Column``. It stands in the module of the kernel that writes it:
-own.py, route.py, neighbors.py. Names, bounds and places follow from it.
+A group of columns is a tuple of ``Column``. It is in the module of the kernel that writes it:
+own.py, route.py, neighbors.py. Names, bounds and indices follow from it.
 """
 
 import collections
@@ -13,10 +13,10 @@ from hav_env.compiled import in_single, kernel, single
 from hav_env.maths.elementary import log
 from hav_env.maths.geometry import clip
 
-LENGTH_UNIT, LENGTH_CUT = 10.0, 10.0  # of the lengths of units [m]; where they are cut
-DISTANCE_CUT = 1e4  # [m], where distances are cut
-SPEED_UNIT = 10.0  # [m/s], where speeds are cut
-TINY_DISTANCE = 1e-12  # [m], keeps the direction to a point at the same place finite
+LENGTH_UNIT, LENGTH_CUT = 10.0, 10.0  # unit and clipping limit of unit lengths [m]
+DISTANCE_CUT = 1e4  # [m], clipping limit of distances
+SPEED_UNIT = 10.0  # [m/s], clipping limit of speeds
+TINY_DISTANCE = 1e-12  # [m], keeps the direction finite for a point at distance 0
 _PER_LOGARITHM = 1.0 / math.log(1.0 + DISTANCE_CUT)
 
 
@@ -25,9 +25,9 @@ class Column(NamedTuple):
 
     name: str
     low: float = 0.0
-    """The least value."""
+    """Lower bound."""
     high: float = 1.0
-    """The greatest value."""
+    """Upper bound."""
 
 
 def length_column(name: str) -> Column:
@@ -46,23 +46,23 @@ def place_columns(prefix: str) -> tuple[Column, Column, Column]:
 
 
 def place_names(names: Iterable[str]) -> Any:
-    """Return the place of each name as an attribute of that name: 0, 1, ...
+    """Return an object with the index of each name as an attribute of that name: 0, 1, ...
 
-    Compiled code takes it as constants.
+    Compiled code treats the indices as constants.
     """
     found = list(names)
     return collections.namedtuple("Places", found, module=__name__)(*range(len(found)))
 
 
 def places_of(group: tuple[Column, ...]) -> Any:
-    """Return the place of each column in its group, as an attribute of its name."""
+    """Return the index of each column in its group, as an attribute of its name."""
     return place_names(column.name for column in group)
 
 
 @in_single
 @kernel
 def scale_distance(distance):
-    """Return ln(1 + d / 1 m) / ln(1 + 10 km / 1 m), cut to 1: 1 m and 300 m both tell.
+    """Return ln(1 + d / 1 m) / ln(1 + 10 km / 1 m), clipped to 1; it resolves 1 m as well as 300 m.
 
     The distance is a float32.
     """
@@ -72,14 +72,14 @@ def scale_distance(distance):
 @in_single
 @kernel
 def scale_length(length):
-    """Return the length of a unit, a float32, in 10 m, cut to 10."""
+    """Return the length of a unit, a float32, in units of 10 m, clipped to 10."""
     return min(length * (1.0 / LENGTH_UNIT), LENGTH_CUT)
 
 
 @in_single
 @kernel
 def _polar(forward, left):
-    """Return the distance of a point [m], cosine and sine of its bearing; none for a point here."""
+    """Return the distance of a point [m], cosine and sine of its bearing; all 0 at distance 0."""
     distance = math.sqrt(forward * forward + left * left)
     per_distance = 1.0 / max(distance, TINY_DISTANCE)
     return distance, forward * per_distance, left * per_distance
@@ -88,7 +88,7 @@ def _polar(forward, left):
 @in_single
 @kernel
 def _cut_to_one(share):
-    """Return a share, or the bound -1 or 1 that rounding may have brought it beyond."""
+    """Return a share clipped to [-1, 1], which rounding may have exceeded."""
     return clip(share, -1.0, 1.0)
 
 
@@ -102,6 +102,6 @@ def write_place(columns, column, lane, forward, left):
 
 @kernel
 def write_direction(columns, column, lane, cosine, sine):
-    """Write a cosine and a sine, which rounding may have brought beyond 1."""
+    """Write a cosine and a sine, clipped to [-1, 1], which rounding may have exceeded."""
     columns[column, lane] = _cut_to_one(single(cosine))
     columns[column + 1, lane] = _cut_to_one(single(sine))

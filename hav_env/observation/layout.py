@@ -17,37 +17,41 @@ FIRST_OF_ROUTE, FIRST_OF_UNITS = len(ITSELF), len(ITSELF) + len(ROUTE)
 
 
 class Observation(NamedTuple):
-    """The parts of its surroundings that a learner observes."""
+    """Settings of an observation: the parts of the surroundings that a learner observes."""
 
     neighbors: Neighbors = 4
-    """K, of how many HAVs in sensing range, nearest first; never more than there are others."""
+    """Number K of observed HAVs in sensing range, nearest first; at most the number of other HAVs.
+    """
     chains: bool = False
     """Add the lengths and articulations of the neighbours' trailers."""
     fronts: bool = False
-    """Add the neighbours' speeds, and what is near the fronts of trucks: with them HAVs collide."""
+    """Add the neighbours' speeds, and the nearest points to the fronts of trucks, where HAVs
+    collide.
+    """
     motion: bool = False
-    """Add the own speed and steering, for trucks that do not do at once what is commanded."""
+    """Add the HAV's own speed and steering, for trucks that follow commands with a delay."""
     obstacles: Seen = 0
-    """K, of how many segments of obstacles the nearest point is seen, nearest first."""
+    """Number K of obstacle segments whose nearest points are observed, nearest first."""
     rays: Rays = 0
-    """R, in how many directions the distance to obstacles and to other HAVs is seen. The first is
-    forward, the others follow counter-clockwise."""
+    """Number R of rays, each with the distance to obstacles and to other HAVs. The first ray points
+    forward; the others follow counter-clockwise.
+    """
     ray_range: RayRange = 50.0
     """Length of the rays [m]."""
 
 
 def check_observation(observation: Observation) -> None:
-    """Check what is seen.
+    """Check the settings of an observation.
 
     Raises:
-        ValueError: naming the field, its value and what is allowed.
-        TypeError: when this is no observation, or a field has a value of another kind.
+        ValueError: If a field is invalid; the message names it, its value and the rule.
+        TypeError: If this is not an observation, or a field has a value of another type.
     """
     check_value("observation", Observation, observation)
 
 
 def settle(observation: Observation, num_havs: int) -> Observation:
-    """Return the observation with no more neighbours than there are."""
+    """Return the settings with at most as many neighbours as there are other HAVs."""
     neighbors = min(observation.neighbors, num_havs - 1)
     if neighbors == 0:
         return observation._replace(neighbors=0, chains=False, fronts=False)
@@ -72,5 +76,5 @@ def name_columns(observation: Observation, max_trailers: int) -> tuple[str, ...]
 
 @kernel
 def behind_units(max_trailers):
-    """Return the first column behind those of the units."""
+    """Return the first column after those of the units."""
     return FIRST_OF_UNITS + count_unit_columns(max_trailers)

@@ -51,7 +51,7 @@ NEIGHBOR_COLUMNS = (
     length_column("truck_length"),
     *place_columns("chain_"),
 )
-CHAINS = (length_column("length"), *JOINT)  # of each trailer
+CHAINS = (length_column("length"), *JOINT)  # columns of each trailer
 FRONTS = (
     Column("speed"),
     Column("front_nearness"),
@@ -64,16 +64,16 @@ _NEIGHBOR_AT, _CHAIN_AT, _FRONT_AT = (
     places_of(CHAINS),
     places_of(FRONTS),
 )
-_FRONT_RANGE = 10.0  # [m], what is near the front of a truck
+_FRONT_RANGE = 10.0  # [m], range of nearness at the front of a truck
 
 
 def neighbor_columns(chains: bool, fronts: bool, max_trailers: int) -> list[Column]:
     """Return the columns of one neighbour.
 
     Args:
-        chains: whether its trailers are seen.
-        fronts: whether its speed is seen, and what is near the fronts of trucks.
-        max_trailers: of any HAV.
+        chains: Whether to add its trailers.
+        fronts: Whether to add its speed, and the nearest points to the fronts of trucks.
+        max_trailers: Largest number of trailers of any HAV.
     """
     chain = joint_columns(CHAINS, max_trailers) if chains else []
     return [*NEIGHBOR_COLUMNS, *chain, *(FRONTS if fronts else ())]
@@ -83,16 +83,16 @@ def neighbor_columns(chains: bool, fronts: bool, max_trailers: int) -> list[Colu
 def observe_neighbors(observation, world, agent, scratch, columns, first):
     """Write the columns of the K nearest neighbours, nearest first; zeros where there are fewer.
 
-    The nearest neighbours differ from lane to lane, so the kernel finds them lane by lane. It then
-    looks at them in all lanes at once.
+    The nearest neighbours differ between lanes, so the kernel first finds them lane by lane. It
+    then describes each of them in all lanes at once.
 
     Args:
-        observation: settled for the number of HAVs.
-        world: a block.
-        agent: which HAV.
-        scratch: a ``Scratch``.
-        columns: (D, L) to be written.
-        first: the first column of the neighbours.
+        observation: Observation settings, as ``settle`` returns them.
+        world: Block of worlds.
+        agent: Index of the HAV.
+        scratch: Scratch rows, a ``Scratch``.
+        columns: (D, L) columns to write.
+        first: First column of the neighbours.
     """
     joints = world.state.heading.shape[1] - 1
     fronts = len(_NEIGHBOR_AT) + (len(_CHAIN_AT) * joints if observation.chains else 0)
@@ -109,7 +109,7 @@ def observe_neighbors(observation, world, agent, scratch, columns, first):
             column = first + size * rank
             columns[column + _NEIGHBOR_AT.present, lane] = 1.0
             columns[column + _NEIGHBOR_AT.clearance, lane] = least
-            # who it is, until all who see the same HAV look at it together
+            # the HAV's number, until the kernel describes the HAV in all lanes at once
             other = neighbor_id(world, agent, nearest, lane)
             columns[column + _NEIGHBOR_AT.distance, lane] = other
             if not few:
@@ -130,7 +130,7 @@ def observe_neighbors(observation, world, agent, scratch, columns, first):
 
 @kernel
 def clearance(world, agent, k, lane):
-    """Return the distance less the collision distance [m]: below zero the footprints overlap."""
+    """Return the distance minus the collision distance [m]: below zero the footprints overlap."""
     collision_distance = own_footprint(world, agent, lane) + neighbor_footprint(
         world, agent, k, lane
     )
@@ -139,9 +139,9 @@ def clearance(world, agent, k, lane):
 
 @kernel
 def _next_nearest(world, agent, lane, before, least):
-    """Return the neighbour that comes after one when sorted by clearance, and its clearance [m].
+    """Return the neighbour after a given one in the order of clearance, and its clearance [m].
 
-    Of equally near ones the first comes first.
+    Neighbours with equal clearance come in the order of their indices.
     """
     found, smallest = -1, math.inf
     for k in range(num_neighbors(world, agent, lane)):
@@ -154,7 +154,7 @@ def _next_nearest(world, agent, lane, before, least):
 
 @kernel
 def _look_in_all_lanes(observation, world, agent, other, chain, columns, first, size):
-    """Write another HAV's columns wherever it is one of the nearest."""
+    """Write another HAV's columns in the lanes in which it is one of the nearest."""
     seen = 0
     for rank in range(observation.neighbors):
         seen += _count_seen(world, other, columns, fixed(first + size * rank))
@@ -172,14 +172,14 @@ def _look_in_all_lanes(observation, world, agent, other, chain, columns, first, 
 
 @kernel
 def _is_seen(columns, column, other, lane):
-    """Tell whether a HAV is the neighbour whose columns begin at one."""
+    """Return whether a HAV is the neighbour whose columns begin at ``column``."""
     present = columns[column + _NEIGHBOR_AT.present, lane] > 0.0
     return present & (columns[column + _NEIGHBOR_AT.distance, lane] == other)
 
 
 @kernel
 def _count_seen(world, other, columns, column):
-    """Return in how many lanes a HAV is the neighbour whose columns begin at one."""
+    """Return in how many lanes a HAV is the neighbour whose columns begin at ``column``."""
     seen = 0
     for lane in range(world.lanes):
         seen += _is_seen(columns, column, other, lane)
@@ -188,7 +188,7 @@ def _count_seen(world, other, columns, column):
 
 @kernel
 def _look_at_hav(world, agent, other, nearest, columns, column, lane):
-    """Write columns in metres: places as forward and left, distances as they are."""
+    """Write columns in metres: positions as forward and left, distances without scaling."""
     forward, left = place_of(world, agent, other, lane)
     columns[column + _NEIGHBOR_AT.bearing_cosine, lane] = forward
     columns[column + _NEIGHBOR_AT.bearing_sine, lane] = left
@@ -205,14 +205,14 @@ def _look_at_hav(world, agent, other, nearest, columns, column, lane):
 @in_single
 @kernel
 def _scale_signed(distance):
-    """Return a distance [m] that may be below zero on the scale of distances."""
+    """Scale a distance [m] that may be below zero."""
     scaled = scale_distance(abs(distance))
     return -scaled if distance < 0.0 else scaled
 
 
 @kernel
 def _scale_neighbor(world, columns, column):
-    """Turn metres into what a row holds; zeros stay zeros."""
+    """Convert metres to scaled columns; zeros stay zeros."""
     for lane in range(world.lanes):
         forward = single(columns[column + _NEIGHBOR_AT.bearing_cosine, lane])
         left = single(columns[column + _NEIGHBOR_AT.bearing_sine, lane])
@@ -248,7 +248,7 @@ def _observe_chain(world, agent, k, columns, column, lane):
 
 @kernel
 def _observe_fronts(world, agent, k, columns, column, lane):
-    """Write speed and nearness: 0 from 10 m on, 1 where they touch; with it, in which direction."""
+    """Write speed, nearness (0 from 10 m on, 1 at contact) and direction of the nearest point."""
     speed = neighbor_speed(world, agent, k, lane)
     columns[column + _FRONT_AT.speed, lane] = min(speed * (1.0 / SPEED_UNIT), 1.0)
     forward, left = neighbor_before_front(world, agent, k, lane)

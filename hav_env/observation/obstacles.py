@@ -36,8 +36,8 @@ from hav_env.world.place.segments import Obstacles, Plane, segment_of
 POINT_COLUMNS = (Column("present"), *place_columns(""))
 _AT = places_of(POINT_COLUMNS)
 OBSTACLE_SIZE = len(POINT_COLUMNS)
-_ABSENT_SQUARED = 1e20  # [m^2]: segments are nearer, and places of absent ones farther away
-_WIDER = 1e-3  # [rad], more than single precision makes of an angle
+_ABSENT_SQUARED = 1e20  # [m^2]: all segments are nearer than that, absent segments are farther
+_WIDER = 1e-3  # [rad], more than the single-precision error of an angle
 _to_segment = in_single(to_segment)
 
 
@@ -53,16 +53,16 @@ def obstacle_columns(obstacles: int, rays: int) -> list[Column]:
 
 @generic
 def observe_obstacles(place, observation, world, agent, scratch, columns, first):
-    """Write the nearest points of the K nearest segments, nearest first; zeros if there are fewer.
+    """Write the nearest points of the K nearest segments, nearest first, then zeros.
 
     Args:
-        place: of the block.
-        observation: settled for the number of HAVs.
-        world: a block.
-        agent: which HAV.
-        scratch: a ``Scratch``.
-        columns: (D, L) to be written.
-        first: the first column of the obstacles.
+        place: Place of the block.
+        observation: Observation settings, as ``settle`` returns them.
+        world: Block of worlds.
+        agent: Index of the HAV.
+        scratch: Scratch rows, a ``Scratch``.
+        columns: (D, L) columns to write.
+        first: First column of the obstacles.
     """
 
 
@@ -76,7 +76,7 @@ def _see_nothing(place, observation, world, agent, scratch, columns, first):
 
 @observe_obstacles.register(Obstacles)
 def _see_nearest(place, observation, world, agent, scratch, columns, first):
-    """Sort squared distances and numbers of segments in all lanes, then look at those that won."""
+    """Sort segments by squared distance in all lanes, then describe the nearest ones."""
     for rank in range(observation.obstacles):
         column = fixed(first + OBSTACLE_SIZE * rank)
         for lane in range(world.lanes):
@@ -107,7 +107,7 @@ def _see_nearest(place, observation, world, agent, scratch, columns, first):
 
 @kernel
 def _most_segments(place, world):
-    """Return how many segments there are in any lane, at most."""
+    """Return the largest number of segments in any lane."""
     most = 0
     for lane in range(world.lanes):
         most = max(most, place.count[lane])
@@ -117,7 +117,7 @@ def _most_segments(place, world):
 @in_single
 @kernel
 def _squared_distance(dx, dy, cosine, sine, half):
-    """Return the square of the distance [m^2] to a segment, given where its middle is [m]."""
+    """Return the squared distance [m^2] to a segment, given the position of its middle [m]."""
     along, across = into_frame(dx, dy, cosine, sine)
     beyond = along - clip(along, -half, half)
     return beyond * beyond + across * across
@@ -125,7 +125,7 @@ def _squared_distance(dx, dy, cosine, sine, half):
 
 @kernel
 def _measure_segment(place, world, agent, number, rows):
-    """Write the squared distance of a segment from the own rear axle, and its number."""
+    """Write the squared distance of a segment from the HAV's rear axle, and the segment's index."""
     state = world.state
     for lane in range(world.lanes):
         x, y, cosine, sine, half, _ = segment_of(place, number, lane)
@@ -138,7 +138,7 @@ def _measure_segment(place, world, agent, number, rows):
 
 @kernel
 def _count_below(world, one, other):
-    """Return in how many lanes one number is below another."""
+    """Return the number of lanes in which one number is below another."""
     below = 0
     for lane in range(world.lanes):
         below += one[lane] < other[lane]
@@ -147,7 +147,7 @@ def _count_below(world, one, other):
 
 @kernel
 def _sort_in(world, rows, columns, column):
-    """Put the segment at hand into a rank where it is nearer, and take the one from there."""
+    """Insert the segment at hand at a rank where it is nearer, and carry on the replaced one."""
     for lane in range(world.lanes):
         squared, kept = rows[SEEN_SQUARED, lane], columns[column + _AT.distance, lane]
         number, other = rows[SEEN_NUMBER, lane], columns[column + _AT.present, lane]
@@ -160,15 +160,15 @@ def _sort_in(world, rows, columns, column):
 
 @kernel
 def observe_rays(observation, world, agent, scratch, columns, first):
-    """Write how far it is to what each ray meets, as a share of the rays' range.
+    """Write the distance at which each ray meets something, as a share of the range of the rays.
 
     Args:
-        observation: settled for the number of HAVs.
-        world: a block.
-        agent: which HAV.
-        scratch: a ``Scratch``.
-        columns: (D, L) to be written.
-        first: the first column of the rays.
+        observation: Observation settings, as ``settle`` returns them.
+        world: Block of worlds.
+        agent: Index of the HAV.
+        scratch: Scratch rows, a ``Scratch``.
+        columns: (D, L) columns to write.
+        first: First column of the rays.
     """
     most = single(observation.ray_range)
     for number in range(observation.rays):
@@ -192,12 +192,12 @@ def observe_rays(observation, world, agent, scratch, columns, first):
 
 @kernel
 def rays_towards(rays, x, y, radius):
-    """Return the first ray that may meet a circle, given its middle [m], and how many may.
+    """Return the first ray that may meet a circle, given its middle [m], and the ray count.
 
-    The first one may be below 0: it counts from forward in either direction.
+    The index of the first ray may be below 0: rays count from forward in either direction.
     """
     distance = math.sqrt(x * x + y * y)
-    # the arcsine of a number from 0 to 1 is at most that share of a quarter turn
+    # the arcsine of a share from 0 to 1 is at most that share of a quarter turn
     share = min(radius / max(distance, TINY_DISTANCE), 1.0)
     half = 0.5 * math.pi * share + _WIDER
     per_step = rays * TURNS_PER_RADIAN
@@ -223,7 +223,7 @@ def _cast_at_nothing(place, observation, world, agent, rows, columns, first):
 
 @_cast_at_obstacles.register(Obstacles)
 def _cast_at_segments(place, observation, world, agent, rows, columns, first):
-    """Find in all lanes which rays may meet a segment, then cast those."""
+    """Find the rays that may meet a segment in all lanes, then cast them."""
     rays = observation.rays
     for number in range(_most_segments(place, world)):
         _look_at_segment(place, observation, world, agent, fixed(number), rows)
@@ -245,7 +245,7 @@ def _cast_at_segments(place, observation, world, agent, rows, columns, first):
 
 @kernel
 def _look_at_segment(place, observation, world, agent, number, rows):
-    """Write a segment as seen from the truck, and which rays may meet it: none out of range."""
+    """Write a segment in the truck's frame and the rays that may meet it: none out of range."""
     squared_range = single(observation.ray_range * observation.ray_range)
     _measure_segment(place, world, agent, number, rows)
     for lane in range(world.lanes):

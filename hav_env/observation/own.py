@@ -56,7 +56,7 @@ ITSELF = (
     *direction_columns("goal_heading"),
     *place_columns("approach_"),
 )
-JOINT = direction_columns("articulation")  # of each joint
+JOINT = direction_columns("articulation")  # columns of each joint
 MOTION = (Column("speed"), Column("steering", low=-1.0))
 _OWN_AT, _JOINT_AT, _MOTION_AT = places_of(ITSELF), places_of(JOINT), places_of(MOTION)
 
@@ -75,14 +75,14 @@ def joint_columns(group: tuple[Column, ...], max_trailers: int) -> list[Column]:
 
 @kernel
 def count_unit_columns(max_trailers):
-    """Return how many columns the units have."""
+    """Return the number of columns of the units."""
     return max_trailers + 1 + len(_JOINT_AT) * max_trailers
 
 
 @in_single
 @kernel
 def _share_of(bend, limit):
-    """Return an articulation as a share of its limit, cut to -1 and 1."""
+    """Return an articulation as a share of its limit, clipped to [-1, 1]."""
     return clip(bend / limit, -1.0, 1.0)
 
 
@@ -91,11 +91,11 @@ def observe_itself(world, agent, scratch, columns, units):
     """Write the columns of the HAV, of its goal and of its units.
 
     Args:
-        world: a block.
-        agent: which HAV.
-        scratch: as ``plan_route`` left it.
-        columns: (D, L) to be written.
-        units: the first column of the units.
+        world: Block of worlds.
+        agent: Index of the HAV.
+        scratch: Scratch rows as ``plan_route`` left them.
+        columns: (D, L) columns to write.
+        units: First column of the units.
     """
     num_units, per_goal, rows = (
         world.state.heading.shape[1],

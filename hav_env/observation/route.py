@@ -1,6 +1,8 @@
-"""This module observes the Dubins paths ahead of a HAV: the columns that describe them."""
+"""This module observes the routes ahead of a HAV, Dubins paths or guided, as columns."""
 
-from hav_env.compiled import fixed, in_single, kernel, single
+import math
+
+from hav_env.compiled import fixed, generic, in_single, kernel, single
 from hav_env.maths.dubins import shortest_path_towards, turns
 from hav_env.maths.elementary import atan2_positive
 from hav_env.observation.columns import Column, places_of, scale_distance
@@ -14,6 +16,7 @@ from hav_env.observation.scratch import (
     GOAL_HEADING,
     GOAL_LEFT,
     GOAL_SINE,
+    HELD_CURVATURE,
     LENGTH,
     STABLE_RADIUS,
     STEERING_MAX,
@@ -22,11 +25,13 @@ from hav_env.observation.scratch import (
     TURN,
     WHEELBASE,
 )
+from hav_env.world.place.guidance import PLAN_HELD_CURVATURE, Dubins, OnFeasible
 from hav_env.world.sensing import (
     drivable_radius,
     goal_direction,
     goal_pose,
     limits,
+    route_ahead,
     stable_radius,
     unit_length,
 )
@@ -43,13 +48,14 @@ ROUTE = tuple(
     for column in PATH_COLUMNS
 )
 _ROUTE_AT = places_of(PATH_COLUMNS)
-_STEERED = 1.0  # [m], the beginning of a path whose steering is told
+_STRAIGHT = 1e-6  # [1/m], a curvature that is none
+_STEERED = 1.0  # [m], length of the path over which the steering is averaged
 
 
 @in_single
 @kernel
 def _path_towards(forward, left, heading, cosine, sine, radius):
-    """Return side of the first segment, its length and that of the whole Dubins path [m]."""
+    """Return side and length of the first segment, and the length of the Dubins path [m]."""
     word, first, second, third = shortest_path_towards(forward, left, heading, cosine, sine, radius)
     side, _, _ = turns(word)
     return side, first, first + second + third
@@ -58,12 +64,12 @@ def _path_towards(forward, left, heading, cosine, sine, radius):
 @in_single
 @kernel
 def steering_along(wheelbase, radius, steering_max):
-    """Return the steering that keeps to a circle, as a share of what the wheels allow: at most 1.
+    """Return the steering that follows a circle, as a share of the maximum: at most 1.
 
     Args:
-        wheelbase: of the truck [m], float32 as all arguments are.
-        radius: of the circle of its rear axle [m].
-        steering_max: its steepest steering [rad].
+        wheelbase: Wheelbase of the truck [m], float32 like all arguments.
+        radius: Radius of the circle of its rear axle [m].
+        steering_max: Largest steering angle of the truck [rad].
     """
     return min(atan2_positive(wheelbase, radius) / steering_max, 1.0)
 
@@ -71,7 +77,7 @@ def steering_along(wheelbase, radius, steering_max):
 @in_single
 @kernel
 def _steering_at_first(side, first, steering):
-    """Return the steering that follows a path; that of a short first segment counts less."""
+    """Return the steering that follows a path, with less weight for a short first segment."""
     return side * min(first * (1.0 / _STEERED), 1.0) * steering
 
 
@@ -79,14 +85,15 @@ def _steering_at_first(side, first, steering):
 def plan_route(world, agent, scratch, remaining):
     """Find the shortest Dubins paths to the goal and to the approach point.
 
-    The circles of the first are those of ``drivable_radius``, so that it can be followed; those of
-    the second have the radius R_min, as AVOID-JACK plans it.
+    The circles of the first path have the radius ``drivable_radius``, so the HAV can follow it.
+    Those of the second path have the radius R_min, as AVOID-JACK plans it. If the guidance of the
+    worlds knows a route, both paths are that route.
 
     Args:
-        world: a block.
-        agent: which HAV.
-        scratch: a ``Scratch``, whose rows TURN .. STEERING_MAX are written.
-        remaining: (N, W), the length of the path to the goal [m]; row ``agent`` is written.
+        world: Block of worlds.
+        agent: Index of the HAV.
+        scratch: A ``Scratch``, whose rows TURN .. STEERING_MAX are written.
+        remaining: (N, W) length of the path to the goal [m]; row ``agent`` is written.
     """
     rows = scratch.rows
     for lane in range(world.lanes):
@@ -107,13 +114,44 @@ def plan_route(world, agent, scratch, remaining):
         rows[APPROACH_LEFT, lane] = left - before * single(rows[GOAL_SINE, lane])
     _find_path(world, rows, GOAL_FORWARD, GOAL_LEFT, DRIVABLE_RADIUS, TO_GOAL)
     _find_path(world, rows, APPROACH_FORWARD, APPROACH_LEFT, STABLE_RADIUS, TO_APPROACH)
+    _write_route(world.guidance, world, agent, rows)
     for lane in range(world.lanes):
         remaining[agent, lane] = rows[TO_GOAL + LENGTH, lane]
 
 
+@generic
+def _write_route(guidance, world, agent, rows):
+    """Write the rows of both paths if there is a route; the second ends one truck earlier."""
+
+
+@_write_route.register(Dubins)
+def _keep_paths(guidance, world, agent, rows):
+    pass
+
+
+@_write_route.otherwise
+@kernel
+def _write_known(guidance, world, agent, rows):
+    for lane in range(world.lanes):
+        known, side, stays, curvature, left = route_ahead(world, agent, lane)
+        rows[HELD_CURVATURE, lane] = curvature if known else math.nan
+        if known:
+            for to in (TO_GOAL, TO_APPROACH):
+                rows[to + TURN, lane], rows[to + FIRST, lane] = side, stays
+            rows[TO_GOAL + LENGTH, lane] = left
+            rows[TO_APPROACH + LENGTH, lane] = max(left - rows[WHEELBASE, lane], 0.0)
+
+
+@_write_route.register(OnFeasible)
+def _write_feasible(guidance, world, agent, rows):
+    _write_known(guidance, world, agent, rows)
+    for lane in range(world.lanes):
+        rows[HELD_CURVATURE, lane] = guidance.plan[agent, PLAN_HELD_CURVATURE, lane]
+
+
 @kernel
 def _find_path(world, rows, forward, left, radius, to):
-    """Write the rows of one path, from ``to`` on, given the rows of its end and its circles."""
+    """Write the rows of one path, from row ``to`` on, given the rows of its end and its circles."""
     for lane in range(world.lanes):
         side, first, length = _path_towards(
             single(rows[forward, lane]),
@@ -133,19 +171,47 @@ def observe_route(world, scratch, columns, first):
     """Write the columns of both paths.
 
     Args:
-        world: a block.
-        scratch: as ``plan_route`` left it.
-        columns: (D, L) to be written.
-        first: the first column of the paths.
+        world: Block of worlds.
+        scratch: Scratch rows as ``plan_route`` left them.
+        columns: (D, L) columns to write.
+        first: First column of the paths.
     """
     _describe_path(world, scratch.rows, TO_GOAL, DRIVABLE_RADIUS, columns, fixed(first))
     second = fixed(first + len(_ROUTE_AT))
     _describe_path(world, scratch.rows, TO_APPROACH, STABLE_RADIUS, columns, second)
+    _describe_steering(world.guidance, world, scratch.rows, columns, fixed(first))
+    _describe_steering(world.guidance, world, scratch.rows, columns, second)
+
+
+@generic
+def _describe_steering(guidance, world, rows, columns, column):
+    """Write the steering that keeps to a route, from column ``column`` on, where there is one."""
+
+
+@_describe_steering.register(Dubins)
+def _keep_steering(guidance, world, rows, columns, column):
+    pass
+
+
+@_describe_steering.otherwise
+@kernel
+def _steer_along_route(guidance, world, rows, columns, column):
+    for lane in range(world.lanes):
+        curvature = single(rows[HELD_CURVATURE, lane])
+        steering = steering_along(
+            single(rows[WHEELBASE, lane]),
+            1.0 / max(abs(curvature), single(_STRAIGHT)),
+            single(rows[STEERING_MAX, lane]),
+        )
+        steering = steering if curvature > 0.0 else -steering
+        of_path = columns[column + _ROUTE_AT.steering, lane]
+        known = not math.isnan(curvature)
+        columns[column + _ROUTE_AT.steering, lane] = steering if known else of_path
 
 
 @kernel
 def _describe_path(world, rows, to, radius, columns, column):
-    """Write the columns of one path, given its rows and that of its circles."""
+    """Write the columns of one path, given its rows and the row of its radius."""
     for lane in range(world.lanes):
         side, length = single(rows[to + TURN, lane]), single(rows[to + FIRST, lane])
         whole = single(rows[to + LENGTH, lane])

@@ -1,4 +1,4 @@
-"""This module turns columns of observations, one number per lane, into rows, one per HAV."""
+"""This module converts columns of observations, one number per lane, to rows, one per HAV."""
 
 from hav_env.compiled import TILE_SIDE, kernel, transpose_tile
 
@@ -8,15 +8,15 @@ def write_rows(columns, lanes, rows):
     """Write rows[lane, column] = columns[column, lane] for the first lanes, tile by tile.
 
     Args:
-        columns: (D, L) float32 with D of at least ``TILE_SIDE``, as every observation has.
-        lanes: how many.
-        rows: (W, D) float32 to be written, with W of at least ``lanes``.
+        columns: (D, L) float32 with D at least ``TILE_SIDE``, as in every observation.
+        lanes: Number of lanes.
+        rows: (W, D) float32 to write, with W at least ``lanes``.
     """
     most, whole = columns.shape[0], lanes // TILE_SIDE * TILE_SIDE
     for lane in range(0, whole, TILE_SIDE):
         for column in range(0, most - TILE_SIDE, TILE_SIDE):
             transpose_tile(columns, column, lane, rows, lane, column)
-        last = most - TILE_SIDE  # the last tile may overlap with the one before
+        last = most - TILE_SIDE  # the last tile may overlap the one before
         transpose_tile(columns, last, lane, rows, lane, last)
     for lane in range(whole, lanes):
         for column in range(most):

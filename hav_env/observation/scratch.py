@@ -1,29 +1,32 @@
-"""This module names the rows of scratch in which a HAV's observation is worked out.
+"""This module names the scratch rows in which kernels compute the observation of a HAV.
 
-Each row holds one number for every lane of a block. Rows of float32 keep lane loops of single
-precision free of doubles, which would halve the number of lanes that an instruction works on.
+Each row holds one number for every lane of a block. Float32 rows keep single-precision lane loops
+free of doubles, which would halve the number of lanes per instruction.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-# of a path: side of its first segment, length of that segment and of the whole path [m]
+# of a path: side and length of its first segment, length of the whole path [m]
 TURN, FIRST, LENGTH = range(3)
 TO_GOAL, TO_APPROACH = 0, 3
-# the goal and the point before it in the truck's frame [m]; relative heading [rad], its direction
+# the goal and the point before it in the truck's frame [m]; the next rows hold the relative heading
+# [rad] and its direction
 GOAL_FORWARD, GOAL_LEFT, APPROACH_FORWARD, APPROACH_LEFT = range(6, 10)
 GOAL_HEADING, GOAL_COSINE, GOAL_SINE = range(10, 13)
-# radii of the circles of the paths to the two points, truck's length [m]; steepest steering [rad]
+# radii of the circles of the paths to the two points, truck's length [m]; maximum steering [rad]
 DRIVABLE_RADIUS, STABLE_RADIUS, WHEELBASE, STEERING_MAX = range(13, 17)
-# of a segment: the square of how far it is [m^2], its number; as seen from the truck its middle,
-# and from there to one end [m]; which rays may meet it; directions of rays, which are no lanes
+# of a segment: squared distance [m^2], index; in the truck's frame its middle, and the vector from
+# there to one end [m]; then the rays that may meet it, and directions of rays, which are not lanes
 SEEN_SQUARED, SEEN_NUMBER, SEEN_X, SEEN_Y, SEEN_HALF_X, SEEN_HALF_Y = range(17, 23)
-FIRST_RAY, RAY_COUNT, RAY_COSINE, RAY_SINE, SCRATCH_ROWS = range(23, 28)
+FIRST_RAY, RAY_COUNT, RAY_COSINE, RAY_SINE = range(23, 27)
+# the curvature that keeps to the route if it is held for the next metre, left positive [1/m]
+HELD_CURVATURE, SCRATCH_ROWS = range(27, 29)
 
 
 class Scratch(NamedTuple):
-    """The scratch of one HAV at a time, for the lanes of a block."""
+    """Scratch of one HAV at a time, for the lanes of a block."""
 
     rows: np.ndarray
     """(SCRATCH_ROWS, L) float32."""

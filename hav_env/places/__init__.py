@@ -1,4 +1,4 @@
-"""This package has places: obstacles and bounds of sites, built by hand or read from maps."""
+"""This package defines sites: obstacles and bounds, built by hand or read from maps."""
 
 from hav_env.places.loading import load_site
 from hav_env.places.site import (

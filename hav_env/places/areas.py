@@ -1,4 +1,4 @@
-"""This module measures the areas of a site: where HAVs may be, and what polygons cover."""
+"""This module measures the areas of a site: the free area, and that of its polygons."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ def covered_area(site: Site) -> Any:
     """Return the area of all polygons, without their holes, as a Shapely geometry [m].
 
     Args:
-        site: with polygons or without.
+        site: a site, with or without polygons.
 
     Raises:
         ImportError: without the extra ``maps``.
@@ -25,7 +25,7 @@ def free_area(site: Site) -> Any | None:
     """Return the area inside the boundary and outside polygons, as a Shapely geometry [m].
 
     Args:
-        site: without a boundary it has no such area: None.
+        site: a site. Without a boundary it has no such area, and the result is None.
 
     Raises:
         ImportError: without the extra ``maps``.
@@ -36,12 +36,12 @@ def free_area(site: Site) -> Any | None:
 
 
 def _area_of(site: Site, kind: int) -> Any:
-    """Return the area of all outlines of a kind: all that their rings surround an odd time."""
+    """Return the area that the rings of a kind of outlines surround an odd number of times."""
     shapely = import_maps("shapely")
     areas = []
     for number in np.flatnonzero(site.kind == kind):
         ends = site.segment[site.outline == number].reshape(-1, 2, 2)
-        lines = shapely.union_all(shapely.linestrings(ends))  # which meet where they cross
+        lines = shapely.union_all(shapely.linestrings(ends))  # segments meet where they cross
         for face in shapely.get_parts(shapely.polygonize(shapely.get_parts(lines))):
             x, y = shapely.point_on_surface(face).coords[0]
             if count_crossings(site, x, y)[number] % 2 == 1:

@@ -1,4 +1,4 @@
-"""This module imports the libraries of the extra ``maps``, and says how to install them."""
+"""This module imports the libraries of the extra ``maps``, or explains their installation."""
 
 import importlib
 from typing import Any
@@ -11,10 +11,11 @@ def import_maps(library: str) -> Any:
         library: name of the module, such as shapely.
 
     Raises:
-        ImportError: when it is not installed, saying how to install it.
+        ImportError: if it is not installed; the message explains the installation.
     """
     try:
         return importlib.import_module(library)
     except ImportError as error:
-        told = f"this file needs {library.partition('.')[0]}: pip install 'hav_env[maps]'"
+        needed = library.partition(".")[0]
+        told = f"this file needs {needed}: run pip install -e '.[maps]' in the clone"
         raise ImportError(told) from error

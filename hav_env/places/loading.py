@@ -24,20 +24,20 @@ _KNOWN_ENDINGS = (".json", ".geojson", ".wkt", ".yaml", ".yml", ".xml")
 def load_site(
     path: str | os.PathLike[str], *, tolerance: float | None = None, unknown: Unknown = "free"
 ) -> Site:
-    """Load a site from a file; all coordinates are in m. docs/sites.md says what is read of each.
+    """Load a site from a file; all coordinates are in m. docs/sites.md describes the formats.
 
     Args:
         path: a file that ends in ``.json`` (the project's own form, or GeoJSON), ``.geojson``,
             ``.wkt``, ``.yaml`` or ``.yml`` (a map of ROS's map_server, with its image), or ``.xml``
             (CommonRoad).
-        tolerance: how far the outlines may be from those in the file, to leave out points [m]; by
-            default half a cell for maps of ROS, and 0 for all others.
+        tolerance: largest deviation of simplified outlines from those in the file [m]; by default
+            half a cell for maps of ROS, and 0 for all others.
         unknown: whether cells of a map that are neither occupied nor free are "free" or "occupied".
 
     Raises:
-        ValueError: naming the file, the entry and what is wrong with it.
-        OSError: when a file cannot be read.
-        ImportError: when the file needs the extra ``maps``, which is not installed.
+        ValueError: if an entry is wrong; the message names the file, the entry and the rule.
+        OSError: if the system cannot read a file.
+        ImportError: if the file needs the missing extra ``maps``.
     """
     check_value("tolerance", Distance | None, tolerance)
     check_value("unknown", Unknown, unknown)

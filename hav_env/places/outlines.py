@@ -1,4 +1,4 @@
-"""This module reads outlines that users and files give: rings, chains of points, circles."""
+"""This module reads outlines from users and files: rings, chains of points, circles."""
 
 import math
 from collections.abc import Sequence
@@ -13,11 +13,11 @@ _CIRCLE_SIDES = 16
 
 
 def read_points(name: str, value: Any) -> np.ndarray:
-    """Return points (P, 2) [m] that a user gave.
+    """Return the points (P, 2) [m] of a user's outline.
 
     Args:
-        name: of the outline, for messages.
-        value: value that the user gave.
+        name: name of the outline, for messages.
+        value: value that the user passed.
 
     Raises:
         TypeError: when it is no list of pairs of numbers.
@@ -39,8 +39,8 @@ def read_chain(name: str, value: Any) -> np.ndarray:
     """Return the points (P, 2) [m] of a polygonal chain.
 
     Args:
-        name: of the chain, for messages.
-        value: value that the user gave.
+        name: name of the chain, for messages.
+        value: value that the user passed.
 
     Raises:
         TypeError: when it is no list of pairs of numbers.
@@ -54,11 +54,11 @@ def read_chain(name: str, value: Any) -> np.ndarray:
 
 
 def read_ring(name: str, value: Any) -> np.ndarray:
-    """Return the corners (P, 2) [m] of a polygon, the first one again at the end.
+    """Return the corners (P, 2) [m] of a polygon; the last one repeats the first.
 
     Args:
-        name: of the ring, for messages.
-        value: value that the user gave; its last corner may be its first one again.
+        name: name of the ring, for messages.
+        value: value that the user passed; its last corner may repeat its first one.
 
     Raises:
         TypeError: when it is no list of pairs of numbers.
@@ -72,10 +72,10 @@ def read_ring(name: str, value: Any) -> np.ndarray:
 
 
 def read_circle(name: str, value: Any) -> np.ndarray:
-    """Return the corners (P, 2) [m] of a polygon of 16 sides that holds a circle.
+    """Return the corners (P, 2) [m] of a polygon of 16 sides that contains a circle.
 
     Args:
-        name: of the circle, for messages.
+        name: name of the circle, for messages.
         value: x, y and radius.
 
     Raises:

@@ -1,4 +1,4 @@
-"""This module simplifies outlines: it leaves out points, and none moves beyond a tolerance."""
+"""This module simplifies outlines: it removes points within a tolerance."""
 
 from collections.abc import Sequence
 
@@ -12,11 +12,11 @@ def simplify_outlines(outlines: Sequence[Outline], tolerance: float) -> list[Out
     """Return outlines with fewer points, by the algorithm of Douglas and Peucker.
 
     No point of the old outlines is farther from the new ones than the tolerance, nor the other way
-    round. Outlines that did not cross do not cross afterwards.
+    round. Simplification creates no new crossings.
 
     Args:
         outlines: rings and chains.
-        tolerance: [m], at least 0.
+        tolerance: largest deviation [m], at least 0.
 
     Raises:
         ImportError: without the extra ``maps``.
@@ -27,11 +27,11 @@ def simplify_outlines(outlines: Sequence[Outline], tolerance: float) -> list[Out
 
 
 def simplify_chains(chains: Sequence[np.ndarray], tolerance: float) -> list[np.ndarray]:
-    """Return chains of points (P, 2) with fewer of them; open chains keep their ends.
+    """Return simplified chains of points (P, 2); open chains keep their ends.
 
     Args:
-        chains: of points (P, 2), in any unit.
-        tolerance: in the same unit.
+        chains: chains of points (P, 2), in any unit.
+        tolerance: largest deviation in the same unit.
 
     Raises:
         ImportError: without the extra ``maps``.

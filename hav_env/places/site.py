@@ -1,4 +1,4 @@
-"""This module has sites: the walls, buildings, kerbs and bounds among which HAVs drive."""
+"""This module defines sites: the walls, buildings, kerbs and bounds among which HAVs drive."""
 
 from collections.abc import Iterable, Sequence
 from typing import Annotated, NamedTuple
@@ -10,7 +10,7 @@ from hav_env.models.annotations import Range, show
 from hav_env.models.checks import check_relations
 from hav_env.places.outlines import read_chain, read_circle, read_ring
 
-BOUNDARY, POLYGON, LINE = range(3)  # kinds of outlines: keep inside, keep outside, keep off
+BOUNDARY, POLYGON, LINE = range(3)  # kinds of outlines: stay inside, stay outside, do not touch
 MOST_SEGMENTS = 100_000
 
 Ends = Annotated[np.ndarray, Range(-1e8, 1e8, "m")]
@@ -21,20 +21,20 @@ Outline = tuple[int, Sequence[np.ndarray]]
 class Site(NamedTuple):
     """Outlines in the plane, as segments that no HAV may touch. Build one with ``build_site``.
 
-    HAVs collide with segments alone. Nothing fills a polygon: a HAV inside one touches nothing
-    until it drives out. Scenarios place nobody there.
+    HAVs collide with segments alone. The inside of a polygon is not solid: a HAV inside touches
+    nothing until it drives out. Scenarios place no HAV there.
     """
 
     segment: Ends
     """(S, 4) x and y of one end, x and y of the other [m]."""
     outline: np.ndarray
-    """(S,) whole numbers: to which outline each segment belongs, ascending from 0."""
+    """(S,) number of the outline of each segment, ascending from 0."""
     kind: np.ndarray
     """(K,) whole numbers: BOUNDARY, POLYGON or LINE, of each outline."""
 
     @property
     def num_segments(self) -> int:
-        """S, how many segments there are."""
+        """Number S of segments."""
         return len(self.segment)
 
     @property
@@ -43,6 +43,12 @@ class Site(NamedTuple):
         points = self.segment.reshape(-1, 2)
         low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
         return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+    def __repr__(self) -> str:
+        """Return size and bounds: a list of all segments would make messages no clearer."""
+        left, low, right, high = self.bounds
+        where = f", x from {left:g} to {right:g} m, y from {low:g} to {high:g} m"
+        return f"Site({self.num_segments} segments{where if self.num_segments else ''})"
 
 
 NOWHERE = Site(np.zeros((0, 4)), np.zeros(0, np.int64), np.zeros(0, np.int64))
@@ -78,15 +84,15 @@ def build_site(
     """Build a site from its outlines; all coordinates in m.
 
     Args:
-        boundary: corners (x, y) of the polygon that HAVs stay inside of; none by default. The last
-            corner is joined to the first.
-        polygons: corners of each obstacle; likewise.
+        boundary: corners (x, y) of the polygon that contains all HAVs; none by default. The last
+            corner connects to the first.
+        polygons: corners of each obstacle, in the same form.
         lines: points of each polygonal chain, at least two.
-        circles: x, y and radius of each; it becomes a polygon of 16 sides that holds it.
+        circles: x, y and radius of each; a polygon of 16 sides replaces and contains it.
 
     Raises:
-        TypeError: naming what is no list or no number.
-        ValueError: naming the outline, and what is wrong with it.
+        TypeError: if a value is no list or no number; the message names it.
+        ValueError: if an outline is wrong; the message names it and the rule.
     """
     outlines: list[Outline] = []
     if boundary is not None:
@@ -104,15 +110,15 @@ def build_site(
 
 
 def join_outlines(outlines: Iterable[Outline]) -> Site:
-    """Return the site of outlines; rings have their first point at the end again.
+    """Return the site of outlines; rings end with their first point.
 
-    Points that coincide with the one before are left out.
+    A point that coincides with the previous one is left out.
 
     Args:
-        outlines: of any kind; a polygon with holes has a ring for each.
+        outlines: outlines of any kind; a polygon with holes has a ring for each.
 
     Raises:
-        ValueError: when there are too many segments.
+        ValueError: if there are too many segments.
     """
     segments: list[np.ndarray] = []
     owner: list[np.ndarray] = []
@@ -138,7 +144,7 @@ def join_outlines(outlines: Iterable[Outline]) -> Site:
 def chains_of(site: Site) -> list[tuple[int, np.ndarray]]:
     """Return the chains of a site: the kind and the points (P, 2) [m] of each.
 
-    The last point of a ring is its first one again. A polygon with holes gives a chain for each of
+    The last point of a ring repeats its first one. A polygon with holes gives a chain for each of
     its rings.
     """
     follows = (site.segment[1:, :2] == site.segment[:-1, 2:]).all(axis=1)
@@ -153,23 +159,30 @@ def chains_of(site: Site) -> list[tuple[int, np.ndarray]]:
 
 @kernel
 def is_inside(site, x, y):
-    """Tell whether a place [m] is where HAVs may be: inside the boundary, outside all polygons.
+    """Return whether a place [m] is free: inside the boundary, outside all polygons.
 
     A ray to the right crosses the rings of an outline an odd number of times from inside. On a
-    segment either may come out.
+    segment either result is possible. Python code calls ``hav_env.places.contact.place_is_inside``.
     """
     inside, number, odd = True, -1, False
     for s in range(site.segment.shape[0]):
         if site.outline[s] != number:
-            inside = inside and (number < 0 or _is_kept(site.kind[number], odd))
+            inside = inside and (number < 0 or is_kept(site.kind[number], odd))
             number, odd = site.outline[s], False
         ax, ay, bx, by = site.segment[s]
-        if (ay > y) != (by > y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
+        if ray_crosses(ax, ay, bx, by, x, y):
             odd = not odd
-    return inside and (number < 0 or _is_kept(site.kind[number], odd))
+    return inside and (number < 0 or is_kept(site.kind[number], odd))
 
 
 @kernel
-def _is_kept(kind, odd):
-    """Tell whether a place that is inside a ring, or not, keeps to it."""
-    return kind == LINE or odd == (kind == BOUNDARY)
+def ray_crosses(ax, ay, bx, by, x, y):
+    """Return whether a ray to the right of a place crosses a segment [m]; arrays are allowed."""
+    aside = (x - ax) * (by - ay) - (y - ay) * (bx - ax)
+    return ((ay > y) != (by > y)) & ((by > ay) == (aside < 0.0))
+
+
+@kernel
+def is_kept(kind, odd):
+    """Return whether a place satisfies an outline, given its side; arrays are allowed."""
+    return (kind == LINE) | (odd == (kind == BOUNDARY))

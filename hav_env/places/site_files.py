@@ -1,4 +1,4 @@
-"""This module reads sites that are written in JSON; ``site.schema.json`` has their form."""
+"""This module reads sites in JSON; ``site.schema.json`` is their schema."""
 
 import functools
 import importlib.resources
@@ -22,14 +22,14 @@ def site_schema() -> dict[str, Any]:
 
 
 def read_outlines(data: Any, name: str = "site") -> list[Outline]:
-    """Return the outlines of a site that is written down.
+    """Return the outlines of a site in JSON.
 
     Args:
-        data: what JSON has made of it.
-        name: of the whole, for messages.
+        data: parsed JSON.
+        name: name of the site, for messages.
 
     Raises:
-        TypeError, ValueError: naming the entry, its value and what is allowed.
+        TypeError, ValueError: if an entry is wrong; the message names its value and the rule.
     """
     check_document(site_schema(), data, name)
     found: list[Outline] = []

@@ -1,9 +1,10 @@
 """This package defines policies: their kernels, their memory, their names and their driver.
 
-A policy is a NamedTuple of parameters and a kernel that decides from what one HAV senses.
+A policy is a NamedTuple of parameters and a kernel that decides from the sensing of one HAV.
 """
 
 from hav_env.policies.driver import PolicyDriver
+from hav_env.policies.filtered import Filtered
 from hav_env.policies.interface import (
     act,
     act_lanes,
@@ -22,6 +23,7 @@ from hav_env.policies.names import POLICIES, make_policy
 
 __all__ = [
     "POLICIES",
+    "Filtered",
     "PolicyDriver",
     "act",
     "act_lanes",

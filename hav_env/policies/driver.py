@@ -1,10 +1,11 @@
-"""This module lets a policy drive HAVs of a batch that somebody else steps, as environments do."""
+"""This module lets a policy drive HAVs of a batch that other code steps, such as environments."""
 
 import os
 
 import numpy as np
 
 from hav_env.models.protocols import Policy
+from hav_env.policies.demands import bind, check_guided
 from hav_env.policies.interface import allocate_memory, check_policy, decide
 from hav_env.policies.names import make_policy
 from hav_env.simulator.batch import Batch
@@ -12,36 +13,40 @@ from hav_env.world.task import check_at_once
 
 
 class PolicyDriver:
-    """Decides for HAVs of a batch; keeps the policy's memory."""
+    """Decides for HAVs of a batch, and keeps the policy's memory."""
 
     def __init__(
         self, policy: Policy | str | os.PathLike[str], batch: Batch, first: int = 0
     ) -> None:
-        """Take a policy, or the name of one: then its parameters are the defaults.
+        """Create the driver of a policy, given as an object or by name with default parameters.
 
         Args:
-            policy: a policy, or its name.
-            batch: the worlds whose HAVs it drives.
-            first: number of the first HAV that it drives. The policy does not act for those before,
-                and its memory of them, which others may hear, stays empty.
+            policy: Policy, or its name.
+            batch: Worlds whose HAVs the policy drives.
+            first: Index of the first HAV that the policy drives. The policy does not act for HAVs
+                with a smaller index. Its memory of them stays zero, so other HAVs receive zeros
+                from them.
 
         Raises:
-            ValueError, TypeError: when there is no such policy, or it cannot drive these HAVs,
-                or they decide in turn.
+            ValueError, TypeError: If the policy is unknown, it cannot drive these HAVs, or the
+                rules let HAVs decide in turn.
         """
-        self.policy = make_policy(policy)
+        made = make_policy(policy)
         check_at_once(batch.task)
-        check_policy(self.policy, batch.scenario, batch.task, batch.vehicle)
+        check_guided(made, batch.guidance)
+        check_policy(made, batch.scenario, batch.task, batch.vehicle)
+        # bound after the check: rules of a batch are those that compiled code sees
+        self.policy = bind(made, batch.task, batch.vehicle)
         self.batch, self.first = batch, first
         self.memory = allocate_memory(self.policy, batch.scenario.num_havs, batch.num_worlds)
 
     def decide(self) -> tuple[np.ndarray, np.ndarray]:
         """Return speed [m/s] and steering [rad], (N, W) each.
 
-        They are zero for HAVs that wait and for HAVs that are driven otherwise.
+        They are zero for waiting HAVs and for HAVs that the policy does not drive.
         """
         return decide(self.policy, self.memory, self.batch, self.first)
 
     def forget(self, worlds: np.ndarray) -> None:
-        """Begin anew in the worlds (W,) that are true."""
-        self.memory[..., np.flatnonzero(worlds)] = 0.0  # it may have a lane more
+        """Clear the memory in the worlds (W,) that are true."""
+        self.memory[..., np.flatnonzero(worlds)] = 0.0  # the memory may have one lane more

@@ -1,6 +1,6 @@
-"""This module defines policies: parameters, and a kernel that acts on what one HAV senses.
+"""This module defines policies: parameters, and a kernel that acts on the sensing of one HAV.
 
-It checks policies, allocates their memory, and lets HAVs hear the memory of others.
+It checks policies, allocates their memory, and lets HAVs receive broadcasts from others.
 """
 
 import functools
@@ -14,6 +14,7 @@ from hav_env.models.annotations import is_number, show
 from hav_env.models.checks import check_fields
 from hav_env.models.memory import check_memory
 from hav_env.models.protocols import Policy, Scenario, Vehicle
+from hav_env.policies.demands import wants_adjacent_memory
 from hav_env.scenarios import check_scenario
 from hav_env.simulator.batch import Batch
 from hav_env.simulator.trial import HAVS_TRIED, LANES_TRIED, attempt, sample_worlds
@@ -28,18 +29,18 @@ from hav_env.world.task import Task, check_at_once, check_task
 def act(
     policy: Any, memory: np.ndarray, world: World, agent: int, lane: int
 ) -> tuple[float, float]:
-    """Decide what one HAV does in this step: return speed [m/s] and steering [rad].
+    """Decide the command of one HAV in this step: return speed [m/s] and steering [rad].
 
-    This is what a policy registers. One whose loops over units or neighbours should run several
-    worlds at once registers with ``act_lanes`` instead.
+    A policy registers this function. A policy whose loops over units or neighbours should run
+    several worlds at once registers ``act_lanes`` instead.
 
     Args:
-        policy: the parameters; their type selects the kernel.
-        memory: (N, K, W); ``memory[agent, :, lane]`` is the HAV's own. It belongs to whoever runs
-            the episode and is zero at its beginning.
-        world: a block of worlds, to be read through ``hav_env.world.sensing`` only.
-        agent: number of the HAV.
-        lane: which world of the block.
+        policy: Parameters; their type selects the kernel.
+        memory: (N, K, W); ``memory[agent, :, lane]`` is the memory of the HAV. The code that runs
+            the episode owns it; it is zero at the beginning of an episode.
+        world: Block of worlds; read it only through ``hav_env.world.sensing``.
+        agent: Index of the HAV.
+        lane: Index of the world in the block.
     """
     raise NotImplementedError
 
@@ -55,13 +56,13 @@ def act_lanes(
 ) -> None:
     """Decide for one HAV in every lane of a block of worlds.
 
-    The simulator ignores decisions for HAVs that wait. Their memory must not change.
+    The simulator ignores decisions for waiting HAVs. The kernel must not change their memory.
 
     Args:
-        policy: the parameters; their type selects the kernel.
-        memory: (N, K, W); ``memory[agent]`` is the HAV's own in all lanes.
-        world: a block of worlds, to be read through ``hav_env.world.sensing`` only.
-        agent: number of the HAV.
+        policy: Parameters; their type selects the kernel.
+        memory: (N, K, W); ``memory[agent]`` is the memory of the HAV in all lanes.
+        world: Block of worlds; read it only through ``hav_env.world.sensing``.
+        agent: Index of the HAV.
         speed: (N, W) speeds of the trucks [m/s]; the policy writes row ``agent``.
         steering: (N, W) steering angles [rad]; the policy writes row ``agent``.
     """
@@ -69,7 +70,7 @@ def act_lanes(
 
 @act_lanes.otherwise
 def act_one_by_one(policy, memory, world, agent, speed, steering):
-    """Ask a policy that is registered with ``act`` in lane after lane."""
+    """Call ``act`` of a policy lane by lane."""
     for lane in range(world.lanes):
         if not world.state.waiting[agent, lane]:
             speed[agent, lane], steering[agent, lane] = act(policy, memory, world, agent, lane)
@@ -77,9 +78,9 @@ def act_one_by_one(policy, memory, world, agent, speed, steering):
 
 @kernel
 def act_all(policy, memory, world, speed, steering, first_agent):
-    """Let the HAVs of a block of worlds from one on decide, (N, W) each.
+    """Let the HAVs of a block of worlds from ``first_agent`` on decide; arrays are (N, W).
 
-    Values for a HAV that waits are void.
+    Values for a waiting HAV are void.
     """
     for hav in range(first_agent, speed.shape[0]):
         act_for(policy, memory, world, fixed(hav), speed, steering)
@@ -87,7 +88,7 @@ def act_all(policy, memory, world, speed, steering, first_agent):
 
 @kernel
 def act_for(policy, memory, world, agent, speed, steering):
-    """Let one HAV of a block of worlds decide, in the lanes where it does not wait."""
+    """Let one HAV of a block of worlds decide in the lanes where it does not wait."""
     moving = moving_block(world, agent)
     first = moving.first - world.first
     act_lanes(
@@ -117,55 +118,56 @@ def act_worlds(first, last, policy, memory, worlds, speed, steering, first_agent
 
 @functools.singledispatch
 def memory_size(policy: Any) -> int:
-    """Return K, how many numbers a HAV under this policy keeps between steps."""
+    """Return K, the number of values that a HAV under this policy keeps between steps."""
     return 0
 
 
 @functools.singledispatch
 def broadcast_size(policy: Any) -> int:
-    """Return B, how many of the numbers that a HAV keeps are for others to hear: its first ones.
+    """Return B: the first B values in the memory of a HAV are broadcast to other HAVs.
 
-    Everybody else's other numbers are private. HAVs decide one after another, in the order of
-    their numbers, on the state before the step: of those before it a HAV hears what they have just
-    decided, of those behind it what they decided in the step before.
+    All other values are private to the HAV. HAVs decide in the order of their indices, on the state
+    before the step. A HAV receives the decisions of this step from HAVs with a smaller index. From
+    HAVs with a larger index it receives those of the previous step.
     """
     return 0
 
 
 @kernel
 def heard(memory: np.ndarray, world: World, agent: int, k: int, number: int, lane: int) -> float:
-    """Return one of the numbers that neighbour ``k`` broadcasts; nobody out of range is heard."""
+    """Return one value that neighbour ``k`` broadcasts; HAVs out of range send nothing."""
     return memory[neighbor_id(world, agent, k, lane), number, lane]
 
 
 def allocate_memory(policy: Policy, num_havs: int, num_worlds: int) -> np.ndarray:
     """Return the memory (N, K, W) of a policy at the beginning of an episode; W is at least 2.
 
-    The numbers of all lanes lie together for a policy that acts on lanes, otherwise those of a HAV.
+    The layout is lane-major for a policy that registers ``act_lanes``, otherwise HAV-major.
     """
     size = memory_size(policy)
     check_memory("num_worlds", num_worlds, 8 * num_havs * (size + 1) * num_worlds)
-    if type(policy) in act_lanes.table:
+    if type(policy) in act_lanes.table and not wants_adjacent_memory(policy):
         return np.zeros((num_havs, size, num_worlds))
-    # a gap, and never one lane, so that NumPy never finds them in order: that is compiled anew
+    # a gap, and never one lane, so the array is never contiguous: Numba would compile that type
+    # anew
     return np.zeros((num_havs, max(num_worlds, 2), size + 1)).transpose(0, 2, 1)[:, :size]
 
 
 def find_kernel(model_class: type) -> Callable | None:
-    """Return the kernel that a class of policies is registered with, None if it is no policy."""
+    """Return the kernel that is registered for a policy class; None if the class is no policy."""
     return act.table.get(model_class) or act_lanes.table.get(model_class)
 
 
 def check_policy(
     policy: Any, scenario: Scenario, task: Task = Task(), vehicle: Vehicle = OnAxle()
 ) -> None:
-    """Check a policy before it is used in a scenario, under rules, on a kind of vehicle.
+    """Check a policy against the scenario, the rules and the vehicle model before it is used.
 
-    These have been checked by themselves.
+    Those three have already been checked by themselves.
 
     Raises:
-        TypeError: when its type has no kernel, or a parameter has a value of another kind.
-        ValueError: naming the parameter, its value and what is allowed.
+        TypeError: If its type has no kernel, or a parameter has a value of another type.
+        ValueError: If a parameter is invalid; the message names it, its value and the rule.
     """
     kernel = find_kernel(type(policy))
     if kernel is None:
@@ -201,11 +203,11 @@ def _try(policy: Policy, scenario: Scenario, kernel: Callable) -> None:
 
 
 def check_models(policy: Any, scenario: Any, task: Any, vehicle: Any) -> None:
-    """Check all that an episode is run with.
+    """Check all models of an episode.
 
     Raises:
-        TypeError: when one of them is none of its kind.
-        ValueError: naming the field, its value and what is allowed.
+        TypeError: If an argument has a type that is not registered as such a model.
+        ValueError: If a field is invalid; the message names it, its value and the rule.
     """
     check_scenario(scenario)
     check_task(task)
@@ -215,51 +217,52 @@ def check_models(policy: Any, scenario: Any, task: Any, vehicle: Any) -> None:
 
 @functools.singledispatch
 def check_parameters(policy: Any, scenario: Scenario) -> None:
-    """Check what one kind of policy demands of its parameters and the scenario's limits.
+    """Check the requirements of a policy on its parameters and the scenario's limits.
 
-    Registered by policies that demand more than the ranges of their fields; raises ValueError.
+    A policy with more requirements than the ranges of its fields registers it; it raises
+    ValueError.
     """
 
 
 @functools.singledispatch
 def check_rules(policy: Any, scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
-    """Check what one kind of policy demands of the rules of an episode and of the kinematics.
+    """Check the requirements of a policy on the rules of an episode and on the kinematics.
 
-    Registered by policies that predict what a step will lead to; raises ValueError.
+    A policy that predicts the outcome of a step registers it; it raises ValueError.
     """
 
 
 @functools.singledispatch
 def joint_weights(policy: Any, cosine: np.ndarray) -> np.ndarray:
-    """Return the jackknife weight of every joint, eq. (jackknife-weigt-func).
+    """Return the jackknife weight of every joint, eq. (15).
 
-    Registered by policies with other coefficients than the paper's.
+    A policy with other coefficients than the paper's registers it.
 
     Args:
-        policy: whose coefficients count.
-        cosine: of articulations.
+        policy: Policy whose coefficients are used.
+        cosine: Cosine of the articulations.
     """
     return 1.0 + np.tanh(0.5 - 2.0 * cosine)
 
 
 @generic
 def evaded(policy: Any, memory: np.ndarray, agent: int, lane: int) -> int:
-    """Return which HAV a HAV evades, as its memory tells; NEVER for none.
+    """Return the index of the HAV that a HAV evades, from its memory; NEVER for none.
 
-    Registered by policies that evade one HAV at a time and remember which.
+    A policy that evades one HAV at a time and remembers it registers this function.
 
     Args:
-        policy: the parameters; their type selects the kernel.
+        policy: Parameters; their type selects the kernel.
         memory: (N, K, W) of the policy.
-        agent: number of the HAV.
-        lane: which world.
+        agent: Index of the HAV.
+        lane: Index of the world.
     """
     return NEVER
 
 
 @evaded.otherwise
 def evade_nobody(policy, memory, agent, lane):
-    """Tell that nobody is evaded."""
+    """Return NEVER: no HAV is evaded."""
     return NEVER
 
 
@@ -268,17 +271,17 @@ def decide(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return speed [m/s] and steering [rad], each (N, W), of every HAV of a batch.
 
-    They are zero for HAVs that wait at their goal, and for those before ``first_agent``: the policy
-    does not act for them.
+    They are zero for HAVs that wait at their goal, and for HAVs before ``first_agent``, for which
+    the policy does not act.
 
     Args:
-        policy: a registered policy.
-        memory: from ``allocate_memory``, kept from step to step, written to.
-        batch: the worlds that HAVs sense; pass the result to ``batch.step``.
-        first_agent: the first HAV that the policy acts for.
+        policy: Registered policy.
+        memory: Memory from ``allocate_memory``, kept from step to step; this call updates it.
+        batch: Worlds that the HAVs sense; pass the result to ``batch.step``.
+        first_agent: Index of the first HAV that the policy acts for.
 
     Raises:
-        ValueError: when the rules let HAVs decide in turn.
+        ValueError: If the rules let HAVs decide in turn.
     """
     check_at_once(batch.task)
     speed, steering = np.zeros((2, *batch.worlds.state.x.shape))

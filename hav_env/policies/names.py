@@ -1,4 +1,4 @@
-"""This module makes policies by name: "avoid_jack", a file, or ``module:Class`` of your own."""
+"""This module makes policies by name: "avoid_jack", a file, or your own ``module:Class``."""
 
 import os
 from typing import Any
@@ -19,11 +19,11 @@ def make_policy(policy: Policy | str | os.PathLike[str], **parameters: Any) -> P
     """Return a policy: ``make_policy("avoid_jack", close_factor=3.0)``.
 
     Args:
-        policy: a name, the path of a policy file, ``module:Class``, or a policy.
-        parameters: fields of the policy; the others keep their defaults.
+        policy: Name, path of a policy file, ``module:Class``, or a policy.
+        parameters: Fields of the policy to set; the others keep their defaults.
 
     Raises:
-        TypeError: when the policy has no such parameter, or one without a default is missing.
-        ValueError: when there is no such policy.
+        TypeError: If the policy has no such parameter, or one without a default is missing.
+        ValueError: If there is no such policy.
     """
     return POLICIES.make(policy, **parameters)

@@ -8,23 +8,23 @@ from hav_env.world.task import IN_TURN
 
 @kernel
 def act_and_step(policy, memory, task, vehicle, world, speed, steering):
-    """Let the HAVs of a block of worlds decide and move, at once or in turn as the task says.
+    """Let the HAVs of a block of worlds decide and move, together or in turn as the task states.
 
     Args:
-        policy: drives every HAV.
+        policy: Policy that drives every HAV.
         memory: (N, K, W) of the policy.
-        task: the rules.
-        vehicle: the kinematics.
-        world: the block.
+        task: Rules of the episode.
+        vehicle: Vehicle model (kinematics).
+        world: Block of worlds.
         speed: (N, W) speeds of the trucks [m/s], overwritten.
         steering: (N, W) steering angles [rad], overwritten.
 
     Returns:
-        A number above 0 when worlds may have ended, as ``step`` does.
+        A number above 0 if worlds may have ended, as in ``step``.
     """
     num_havs = speed.shape[0]
     late_worlds, events, hits = 0, 0, 0
-    # one loop for both orders: what a policy does is long, and is compiled once
+    # one loop for both orders: the policy's kernel is long and must be compiled only once
     for turn in range(2 * num_havs):
         decides, hav = _whose_turn(task, num_havs, turn)
         agent = fixed(hav)
@@ -41,7 +41,7 @@ def act_and_step(policy, memory, task, vehicle, world, speed, steering):
 
 @kernel
 def _whose_turn(task, num_havs, turn):
-    """Return whether somebody decides or moves in this turn, and who does."""
+    """Return whether a HAV decides or moves in this turn, and its index."""
     if task.order == IN_TURN:
         return turn % 2 == 0, turn // 2
     return turn < num_havs, turn if turn < num_havs else turn - num_havs

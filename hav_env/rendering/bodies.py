@@ -1,6 +1,6 @@
-"""This module draws HAVs whose bodies are rectangles: what is drawn is what collides.
+"""This module draws HAVs whose bodies are rectangles, with the shapes that collide.
 
-Wheels that are turned, the steered ones and those of drawbars, may stick out a little.
+Turned wheels, the steered ones and those of drawbars, may stick out a little.
 """
 
 import math
@@ -22,11 +22,11 @@ def draw_bodies(canvas: Canvas, camera: Camera, scene: Scene, hav: int, near: bo
     """Draw the rectangles of a HAV from front to rear, drawbars below the others.
 
     Args:
-        canvas: a picture under way.
+        canvas: the unfinished picture.
         camera: the view.
-        scene: the moment; its bodies are rectangles.
-        hav: which HAV.
-        near: whether wheels and cabs can be told.
+        scene: the scene; its bodies are rectangles.
+        hav: number of the HAV.
+        near: whether wheels and cabs are large enough to see.
     """
     outlines = outlines_of(scene, hav)
     assert scene.shape is not None

@@ -1,34 +1,37 @@
-"""This module has the camera: it chooses the visible part of the plane, and projects points."""
+"""This module defines the camera, which chooses the visible plane and projects points."""
 
 import math
 
 import numpy as np
 
-_SETTLING = 0.6  # s in which most of the way to a new view is done
-_LEAST = 24.0  # m that are seen in any case, so that a HAV at its goal does not fill the picture
+_SETTLING = 0.6  # s for most of the motion to a new view
+_LEAST = 24.0  # m, least visible size, so that a HAV at its goal does not fill the picture
 
 
 class Camera:
-    """A view of the plane that moves smoothly to what it is aimed at.
+    """A view of the plane that moves smoothly to its target.
 
     Attributes:
         size: width and height of the picture in pixels.
-        free: (2,) width and height of what is free of writing.
-        middle: (2,) the pixel in the middle of what is free of writing.
+        free: (2,) width and height of the area without text at its edges.
+        middle: (2,) the pixel in the middle of that area.
         center: (2,) the point of the plane that appears there [m].
         scale: pixels per metre.
     """
 
-    def __init__(self, size: tuple[int, int], left: float, frames_per_second: float) -> None:
+    def __init__(
+        self, size: tuple[int, int], left: float, frames_per_second: float, bottom: float = 0.0
+    ) -> None:
         """Begin without a view; the first ``aim`` sets it at once.
 
         Args:
             size: width and height of the picture in pixels.
-            left: how many pixels on the left are for writing.
-            frames_per_second: how often ``aim`` will be called.
+            left: pixels on the left for text.
+            frames_per_second: rate of the calls of ``aim``.
+            bottom: pixels at the bottom for text.
         """
         self.size = size
-        self.free = np.array([size[0] - left, size[1]], float)
+        self.free = np.array([size[0] - left, size[1] - bottom], float)
         self.middle = np.array([left, 0.0]) + self.free / 2.0
         self.center = np.zeros(2)
         self.scale = 1.0
@@ -41,8 +44,8 @@ class Camera:
         Args:
             low: (2,) its lower left corner [m].
             high: (2,) its upper right corner [m].
-            margin: pixels that are kept free round it.
-            zoom: how many times larger than that everything appears.
+            margin: free pixels round it.
+            zoom: additional magnification.
         """
         width, height = np.maximum(self.free - 2.0 * margin, self.free / 2.0)
         extent = np.maximum(high - low, _LEAST)
@@ -53,17 +56,17 @@ class Camera:
         self._begun = True
 
     def forget(self) -> None:
-        """Take the next aim at once."""
+        """Jump to the next target."""
         self._begun = False
         self.center, self.scale = np.zeros(2), 1.0
 
     def project(self, points: np.ndarray) -> np.ndarray:
-        """Return where points (..., 2) of the plane [m] appear, in pixels right and down."""
+        """Return the pixels (right, down) of points (..., 2) of the plane [m]."""
         away = (np.asarray(points, float) - self.center) * (self.scale, -self.scale)
         return away + self.middle
 
     def place(self, pose: tuple[float, float, float], shape) -> np.ndarray:
-        """Return where a shape appears that is given in the frame of a pose.
+        """Return the pixels of a shape in the frame of a pose.
 
         Args:
             pose: x [m], y [m], heading [rad].
@@ -75,7 +78,7 @@ class Camera:
         return self.project(turned + np.array([x, y]))
 
     def seen(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the corners (2,) of what is seen [m]."""
+        """Return the corners (2,) of the visible plane [m]."""
         width, height = np.array(self.size) / self.scale
         low = self.center - (self.middle[0] / self.scale, height - self.middle[1] / self.scale)
         return low, low + np.array([width, height])
@@ -84,7 +87,7 @@ class Camera:
 def clip_segments(
     segments: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return which segments reach into a box, and the parts that lie in it.
+    """Return the segments that reach into a box, and their parts inside.
 
     It is the algorithm of Liang and Barsky, for all segments at once.
 
@@ -94,12 +97,12 @@ def clip_segments(
         high: (2,) its upper right corner.
 
     Returns:
-        (K,) numbers of the segments that do, ascending, and (K, 4) their parts.
+        (K,) numbers of these segments, ascending, and (K, 4) their parts.
     """
     start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = np.stack([low - start, high - start]) / along
-    # one that runs along an axis never enters or leaves, or is outside from end to end
+    # a segment along an axis never enters or leaves, or is wholly outside
     outside = (along == 0.0) & ((start < low) | (start > high))
     first = np.where(along == 0.0, 0.0, shares.min(axis=0)).max(axis=1, initial=0.0)
     last = np.where(along == 0.0, 1.0, shares.max(axis=0)).min(axis=1, initial=1.0)

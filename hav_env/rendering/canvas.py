@@ -1,4 +1,4 @@
-"""This module has the canvas, which draws shapes and texts by pygame.
+"""This module defines the canvas, which draws shapes and texts by pygame.
 
 It draws shapes twice as large and shrinks them, which smooths their edges. Then it draws texts.
 """
@@ -12,24 +12,26 @@ import numpy as np
 
 from hav_env.rendering.colors import GROUND, INK, PAPER, Color
 
-# pygame greets on standard output, which belongs to the program
+# pygame prints a greeting, but standard output belongs to the program
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 try:
     import pygame
     import pygame.font
     from pygame import IS_CE  # noqa: F401  the older pygame has neither this nor smooth discs
 except ImportError as error:
-    raise ImportError("rendering needs pygame-ce: pip install 'hav_env[rendering]'") from error
+    raise ImportError(
+        "rendering needs pygame-ce: run pip install -e '.[rendering]' in the clone"
+    ) from error
 
-FINER = 2  # how many times larger shapes are drawn than shown
-_FINER_TEXT = 4  # the same of letters, whose spacing is uneven when drawn small
-_MOST_TEXTS = 512  # that are kept drawn
+FINER = 2  # drawn size of shapes over their final size
+_FINER_TEXT = 4  # the same for letters, whose spacing is uneven in small sizes
+_MOST_TEXTS = 512  # texts in the cache
 _DASH = 9.0  # pixels from one dash to the next
 _MOST_DASHES = 300  # of a line that goes far beyond the picture
 
 
 class Canvas:
-    """A picture under way; needs no display. All places and sizes are in pixels of the picture.
+    """An unfinished picture; needs no display. All places and sizes are in pixels of the picture.
 
     First the shapes, then ``shrink``, then the texts.
     """
@@ -58,7 +60,7 @@ class Canvas:
         self.stroke([*points, points[0]], color, width)
 
     def stroke(self, points: Sequence | np.ndarray, color: Color, width: float) -> None:
-        """Draw a line through points (K, 2), with round joints and ends where they show."""
+        """Draw a line through points (K, 2), with round joints and ends if they are visible."""
         at = (FINER * np.asarray(points, float)).tolist()
         if FINER * width < 3.5:
             thin = max(round(FINER * width), 1)
@@ -97,7 +99,7 @@ class Canvas:
         pygame.draw.circle(self._fine, color, (FINER * center).tolist(), FINER * radius)
 
     def ring(self, center: np.ndarray, radius: float, color: Color, width: float = 1.0) -> None:
-        """Draw a circle; one much larger than the picture is left out, it would look straight."""
+        """Draw a circle, unless it is so large that its arc looks straight."""
         if radius < 8 * max(self.size):
             thin = max(round(FINER * width), 1)
             place = (FINER * center).tolist()
@@ -113,7 +115,7 @@ class Canvas:
     def label(
         self, text: str, place: np.ndarray, size: int, color: Color, anchor: str = "center"
     ) -> None:
-        """Write a line among the shapes as soon as they are shrunk; arguments as for ``text``."""
+        """Write a line after the shapes are shrunk; arguments as for ``text``."""
         self._labels.append((text, tuple(place), size, color, anchor))
 
     def shrink(self) -> None:
@@ -135,9 +137,9 @@ class Canvas:
 
         Args:
             text: text to write.
-            place: where its anchor lies.
+            place: place of its anchor.
             size: height of the font.
-            color: of the letters.
+            color: colour of the letters.
             anchor: "topleft", "center", "midleft", "midright", ...
 
         Returns:
@@ -150,11 +152,11 @@ class Canvas:
         return box.size
 
     def measure(self, text: str, size: int) -> int:
-        """Return how wide a text is."""
+        """Return the width of a text."""
         return self._draw_text(text, size, INK).get_width()
 
     def panel(self, left: float, top: float, width: float, height: float) -> None:
-        """Lay a sheet that lets little through, to write on."""
+        """Draw an almost opaque background for text."""
         sheet = pygame.Surface((round(width), round(height)), pygame.SRCALPHA)
         pygame.draw.rect(sheet, (*PAPER, 215), sheet.get_rect(), border_radius=6)
         self.surface.blit(sheet, (round(left), round(top)))
@@ -167,6 +169,14 @@ class Canvas:
     def dot(self, center: Sequence[float], radius: float, color: Color) -> None:
         """Fill a circle on the picture."""
         pygame.draw.aacircle(self.surface, color, (center[0], center[1]), radius)
+
+    def triangle(self, points: Sequence[Sequence[float]], color: Color) -> None:
+        """Fill a polygon on the picture."""
+        pygame.draw.polygon(self.surface, color, points)
+
+    def polyline(self, points: Sequence[Sequence[float]], color: Color, width: int) -> None:
+        """Draw a line on the picture."""
+        pygame.draw.lines(self.surface, color, False, points, width)
 
     def frame(self) -> np.ndarray:
         """Return the picture, (height, width, 3) uint8, a copy."""
@@ -192,6 +202,6 @@ class Canvas:
 
     def _font(self, size: int) -> pygame.font.Font:
         if size not in self._fonts:
-            # the one that comes with pygame
+            # pygame's own font
             self._fonts[size] = pygame.font.Font(None, _FINER_TEXT * size)
         return self._fonts[size]

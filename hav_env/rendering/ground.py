@@ -12,7 +12,7 @@ from hav_env.world.arrays import NEVER
 
 _CELL = 60.0  # pixels, the least size of a cell of the grid
 _FADES = 5  # shades of a trail
-_SEGMENT_WIDTH = 2.0  # pixels, breadth of obstacles at any scale: no gap that can be seen closes
+_SEGMENT_WIDTH = 2.0  # pixels, breadth of obstacles at any scale: visible gaps stay open
 
 
 def grid_spacing(camera: Camera) -> float:
@@ -32,17 +32,17 @@ def draw_grid(canvas: Canvas, camera: Camera) -> None:
 
 
 def draw_trails(canvas: Canvas, camera: Camera, trails: np.ndarray, removed: np.ndarray) -> None:
-    """Draw where the trucks were, fading with age.
+    """Draw the past positions of the trucks, fading with age.
 
     Args:
-        canvas: what to draw on.
+        canvas: the canvas.
         camera: the view.
         trails: (T, N, 2) [m], oldest first.
-        removed: (N,) bool: these are passed over.
+        removed: (N,) bool, HAVs without a trail.
     """
     if len(trails) < 2:
         return
-    # points closer than can be told take time
+    # indistinguishable points cost time
     stride = max(1, int(2.0 / camera.scale))
     points = camera.project(np.concatenate([trails[:-1:stride], trails[-1:]]))
     cuts = np.unique(np.linspace(0, len(points) - 1, _FADES + 1).astype(int))
@@ -53,16 +53,16 @@ def draw_trails(canvas: Canvas, camera: Camera, trails: np.ndarray, removed: np.
 
 
 def draw_segments(canvas: Canvas, camera: Camera, scene: Scene) -> None:
-    """Draw the obstacles that are in sight; those that HAVs hit first are red.
+    """Draw the visible obstacles; those that HAVs hit first are red.
 
     Args:
-        canvas: what to draw on.
+        canvas: the canvas.
         camera: the view.
-        scene: the moment.
+        scene: the scene.
     """
     if not len(scene.segment):
         return
-    border = 2.0 * _SEGMENT_WIDTH / camera.scale  # where lines are cut off is not seen
+    border = 2.0 * _SEGMENT_WIDTH / camera.scale  # ends of clipped lines are invisible
     low, high = camera.seen()
     seen, parts = clip_segments(scene.segment, low - border, high + border)
     ends = camera.project(parts.reshape(-1, 2)).reshape(-1, 4)

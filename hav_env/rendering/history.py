@@ -6,36 +6,36 @@ import numpy as np
 
 from hav_env.rendering.scene import Scene, harms_of
 
-_FEW_EVADERS = 10  # HAVs up to which evasions are worth an entry
+_FEW_EVADERS = 10  # largest number of HAVs with entries for evasions
 _SPACING = 1.0  # s between two points of a trail
 _TRAIL = 240  # points
 _MOST_NOTED = 6
-_AGAIN = 20.0  # s within which the same is not told twice: an evasion may flicker
+_AGAIN = 20.0  # s, least time between equal entries: an evasion may flicker
 
 
 class History:
     """Trails and events, gathered from scene to scene.
 
     Attributes:
-        events: (time [s], what happened), the latest last.
+        events: (time [s], text), the latest last.
     """
 
     def __init__(self) -> None:
-        """Begin without a past."""
+        """Create an empty history."""
         self.events: collections.deque[tuple[float, str]] = collections.deque(maxlen=_MOST_NOTED)
         self._places: collections.deque[np.ndarray] = collections.deque(maxlen=_TRAIL)
         self._kept_at = -np.inf
         self._before: Scene | None = None
 
     def follows(self, scene: Scene) -> bool:
-        """Tell whether a scene can be a later one, or the same, of the episode seen so far."""
+        """Return whether a scene can continue, or repeat, the episode so far."""
         before = self._before
         if before is None:
             return True
         return scene.time >= before.time and len(scene.x) == len(before.x)
 
     def observe(self, scene: Scene) -> None:
-        """Take in the next scene."""
+        """Add the next scene."""
         if self._before is not None:
             for text in _tell(self._before, scene):
                 if not self._told_lately(text, scene.time):
@@ -49,24 +49,25 @@ class History:
         return any(told == text and time < when + _AGAIN for when, told in self.events)
 
     def trails(self, scene: Scene) -> np.ndarray:
-        """Return where the trucks were, (T, N, 2) [m], oldest first, to where they are."""
+        """Return the positions of the trucks, (T, N, 2) [m], from the oldest to the current one."""
         return np.stack([*self._places, np.stack([scene.x, scene.y], axis=1)])
 
 
 def _tell(before: Scene, scene: Scene) -> list[str]:
-    """Return what happened between two scenes."""
+    """Return the events between two scenes."""
     told = []
     for hav in range(len(scene.x)):
-        name = f"hav_{hav}"
+        name = f"HAV {hav}"
         if scene.hits[hav] > before.hits[hav]:
-            told.append(f"{name} hits goal {scene.hits[hav]}")
+            verb = "arrives at" if scene.hits[hav] == scene.num_goals else "hits"
+            told.append(f"{name} {verb} goal {scene.hits[hav]}")
         known = harms_of(before, hav)
         told += [f"{name} {event.state}" for event in harms_of(scene, hav) if event not in known]
         if scene.removed[hav] and not before.removed[hav]:
             told.append(f"{name} removed")
         evaded = scene.evaded[hav]
         if len(scene.x) <= _FEW_EVADERS and evaded >= 0 and evaded != before.evaded[hav]:
-            told.append(f"{name} evades hav_{evaded}")
+            told.append(f"{name} evades HAV {evaded}")
     together = scene.phase.min() == scene.phase.max()
     if together and scene.phase.min() > before.phase.min():
         told.append(f"goal {scene.phase.min() + 1} for all")

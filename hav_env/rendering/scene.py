@@ -32,7 +32,7 @@ class Scene(NamedTuple):
     """One moment of one world."""
 
     time: float  # [s]
-    phase: np.ndarray  # (N,) which of its goals is under way, from 0
+    phase: np.ndarray  # (N,) number of the current goal, from 0
     x: np.ndarray  # (N,) truck's rear axle [m]
     y: np.ndarray  # (N,) [m]
     heading: np.ndarray  # (N, U) of every unit [rad]
@@ -40,11 +40,11 @@ class Scene(NamedTuple):
     steering: np.ndarray  # (N,) of the truck [rad], left positive
     num_trailers: np.ndarray  # (N,)
     length: np.ndarray  # (N, U) wheelbase, trailer lengths [m]; anything beyond the last unit
-    offset: np.ndarray  # (N, U) how far behind the axle of a unit its trailer is hitched [m]
+    offset: np.ndarray  # (N, U) distance of a unit's axle to the hitch of its trailer [m]
     shape: np.ndarray | None  # (N, U, 3) bodies, columns HALF_WIDTH .. REAR [m]; None for lines
     footprint: np.ndarray  # (N,) radius d_i round the truck's rear axle [m]
     articulation_max: np.ndarray  # (N, U) of the joint at the front of a unit [rad]; of trailers
-    goal: np.ndarray  # (N, 3) goal pose under way: x [m], y [m], heading [rad]
+    goal: np.ndarray  # (N, 3) current goal pose: x [m], y [m], heading [rad]
     hits: np.ndarray  # (N,) goals hit so far
     num_goals: int
     waiting: np.ndarray  # (N,) bool: at its goal
@@ -55,6 +55,7 @@ class Scene(NamedTuple):
     command: np.ndarray | None = None  # (N, 2) commanded speed [m/s], steering [rad], if known
     segment: np.ndarray = NO_SEGMENTS  # (S, 4) obstacles: x, y of one end, x, y of the other [m]
     struck: np.ndarray | None = None  # (N,) segment that each HAV hit first, or NEVER
+    reserved: np.ndarray | None = None  # (N, K, 2) corners of reserved areas [m], nan for none
 
 
 def scene_of(
@@ -67,12 +68,12 @@ def scene_of(
     """Return the scene of one world; its arrays are copies.
 
     Args:
-        worlds: of a batch.
-        w: which world.
+        worlds: worlds of a batch.
+        w: number of the world.
         dt: duration of a step [s].
-        evaded: (N,) number of the HAV that each one evades, -1 for none; None when unknown. The
+        evaded: (N,) number of the HAV that each one evades, -1 for none; None if unknown. The
             scene ignores HAVs that wait, since they decide nothing.
-        command: (N, 2) speed [m/s] and steering [rad] that were commanded; None when unknown.
+        command: (N, 2) commanded speed [m/s] and steering [rad]; None if unknown.
     """
     state, fleet, record = worlds.state, worlds.fleet, worlds.record
     x, y = state.x[:, w].copy(), state.y[:, w].copy()
@@ -109,10 +110,10 @@ def scene_of(
 
 
 def struck_in(first: np.ndarray) -> np.ndarray | None:
-    """Return which segment each HAV hit first, (N,) or NEVER; None in a plane without obstacles.
+    """Return the first segment that each HAV hit, (N,) or NEVER; None without obstacles.
 
     Args:
-        first: (N, E, 2) of ``Record.first``.
+        first: (N, E, 2), ``Record.first`` of the world.
     """
     return first[:, OBSTACLE, WHERE].copy() if first.shape[1] > OBSTACLE else None
 
@@ -120,13 +121,13 @@ def struck_in(first: np.ndarray) -> np.ndarray | None:
 def find_potential(
     x: np.ndarray, y: np.ndarray, footprint: np.ndarray, present: np.ndarray
 ) -> np.ndarray:
-    """Tell which HAVs are in potential collision with another one, eq. (potential-collision).
+    """Return which HAVs are in potential collision, equation (5) of the paper.
 
     Args:
-        x: (N,) of the trucks' rear axles [m].
-        y: (N,) likewise [m].
+        x: (N,) x of the trucks' rear axles [m].
+        y: (N,) y of the trucks' rear axles [m].
         footprint: (N,) radii [m].
-        present: (N,) bool: the others are passed over.
+        present: (N,) bool, HAVs in the world.
     """
     distance = np.hypot(x[:, None] - x, y[:, None] - y)
     overlap = (distance <= footprint[:, None] + footprint) & present[:, None] & present
@@ -135,17 +136,17 @@ def find_potential(
 
 
 def chain_of(scene: Scene, hav: int) -> np.ndarray:
-    """Return where the axles of a HAV are, (trailers + 2, 2) as from ``axles_of`` [m]."""
+    """Return the axles of a HAV, (trailers + 2, 2) as from ``axles_of`` [m]."""
     return axles_of(*_units_of(scene, hav))
 
 
 def ends_of(scene: Scene, hav: int) -> np.ndarray:
-    """Return where the front axle and the hitches of a HAV are, (trailers + 1, 2) [m]."""
+    """Return the front axle and the hitches of a HAV, (trailers + 1, 2) [m]."""
     return fronts_of(*_units_of(scene, hav))
 
 
 def outlines_of(scene: Scene, hav: int) -> np.ndarray | None:
-    """Return the corners of a HAV's bodies, (trailers + 1, 4, 2) [m]; None where they are lines."""
+    """Return the corners of a HAV's bodies, (trailers + 1, 4, 2) [m]; None for lines."""
     if scene.shape is None:
         return None
     shape = scene.shape[hav, : scene.num_trailers[hav] + 1]
@@ -153,14 +154,14 @@ def outlines_of(scene: Scene, hav: int) -> np.ndarray | None:
 
 
 def _units_of(scene: Scene, hav: int) -> tuple:
-    """Return the pose of a HAV, and of its units headings, lengths and offsets."""
+    """Return the pose of a HAV, and the headings, lengths and offsets of its units."""
     units = scene.num_trailers[hav] + 1
     columns = (scene.heading, scene.length, scene.offset)
     return scene.x[hav], scene.y[hav], *(column[hav, :units] for column in columns)
 
 
 def has_had(scene: Scene, hav: int, event: Event) -> bool:
-    """Tell whether an event has happened to a HAV."""
+    """Return whether an event has happened to a HAV."""
     return event.row < scene.happened.shape[1] and bool(scene.happened[hav, event.row])
 
 
@@ -184,15 +185,20 @@ def shares_of(scene: Scene, hav: int) -> np.ndarray:
     return bends_of(scene, hav) / scene.articulation_max[hav, 1 : scene.num_trailers[hav] + 1]
 
 
+def has_arrived(scene: Scene, hav: int) -> bool:
+    """Return whether a HAV is at its last goal."""
+    return bool(scene.waiting[hav]) and scene.phase[hav] == scene.num_goals - 1
+
+
 def distance_shown(scene: Scene, hav: int) -> float:
-    """Return how far the goal under way is [m]."""
+    """Return the distance to the current goal [m]."""
     return float(np.hypot(scene.goal[hav, 0] - scene.x[hav], scene.goal[hav, 1] - scene.y[hav]))
 
 
 def lags_behind(scene: Scene, hav: int) -> bool:
-    """Tell whether a HAV visibly does something else than was commanded; one that waits does not.
+    """Return whether a HAV visibly deviates from its command; False if it waits.
 
-    By its speed, or by its steering: its actuators are limited, or the command is beyond limits.
+    Its speed or steering differs if its actuators are limited, or the command is beyond limits.
     """
     if scene.command is None or scene.waiting[hav] or scene.removed[hav]:
         return False
@@ -202,7 +208,7 @@ def lags_behind(scene: Scene, hav: int) -> bool:
 
 
 def motion_shown(scene: Scene, hav: int) -> str:
-    """Say how a HAV drives, beside what was commanded."""
+    """Return the actual and the commanded motion of a HAV as text."""
     assert scene.command is not None
     speed, steering = scene.command[hav]
     turned, wanted = np.degrees([scene.steering[hav], steering])
@@ -210,13 +216,13 @@ def motion_shown(scene: Scene, hav: int) -> str:
 
 
 def goals_shown(scene: Scene) -> str:
-    """Return which goals are under way, from 1: one number, or the least and the greatest."""
+    """Return the current goals, from 1: one number, or the least and the greatest."""
     least, most = scene.phase.min() + 1, scene.phase.max() + 1
     return f"{least}" if least == most else f"{least}-{most}"
 
 
 def count_flags(scene: Scene) -> dict[str, int]:
-    """Return how many HAVs are in which state, under its name."""
+    """Return the number of HAVs in each state, by its name."""
     flags = {
         "at goal": scene.waiting,
         "evading": scene.evaded >= 0,
@@ -227,8 +233,8 @@ def count_flags(scene: Scene) -> dict[str, int]:
     return {name: int(np.count_nonzero(flag)) for name, flag in flags.items()}
 
 
-_VISIBLE_SPEED, _VISIBLE_STEERING = 0.05, 0.01  # [m/s, rad]: what is less is not written
-_MOST_DESCRIBED = 5  # HAVs that are told of one by one
+_VISIBLE_SPEED, _VISIBLE_STEERING = 0.05, 0.01  # [m/s, rad], least shown difference
+_MOST_DESCRIBED = 5  # largest number of HAVs with a text each
 _DIRECTIONS = (
     *("ahead", "ahead-left", "left", "behind-left"),
     *("behind", "behind-right", "right", "ahead-right"),
@@ -236,7 +242,7 @@ _DIRECTIONS = (
 
 
 def describe(scene: Scene) -> str:
-    """Return one line of text that says what there is to see."""
+    """Return one line of text that describes the scene."""
     head = f"{scene.time:.1f} s"
     num_havs = len(scene.x)
     if num_havs <= _MOST_DESCRIBED:
@@ -247,7 +253,7 @@ def describe(scene: Scene) -> str:
 
 
 def _describe_hav(scene: Scene, hav: int) -> str:
-    name = f"hav_{hav}"
+    name = f"HAV {hav}"
     if scene.removed[hav]:
         return f"{name} removed"
     dx, dy = scene.goal[hav, :2] - (scene.x[hav], scene.y[hav])
@@ -262,8 +268,9 @@ def _describe_hav(scene: Scene, hav: int) -> str:
         f"bend {bend:.0f}/{limit:.0f} deg",
     ]
     states = {
-        "waits": scene.waiting[hav],
-        f"evades hav_{scene.evaded[hav]}": scene.evaded[hav] >= 0,
+        "waits": scene.waiting[hav] and not has_arrived(scene, hav),
+        "arrived": has_arrived(scene, hav),
+        f"evades HAV {scene.evaded[hav]}": scene.evaded[hav] >= 0,
     }
     told += [name for name, holds in states.items() if holds]
     told += [f"drives {motion_shown(scene, hav)}"] if lags_behind(scene, hav) else []

@@ -1,5 +1,7 @@
 """This module draws HAVs to scale: in detail when near, as chains when far away."""
 
+import itertools
+
 import numpy as np
 
 from hav_env.rendering.bodies import draw_bodies
@@ -13,25 +15,26 @@ from hav_env.rendering.colors import (
     color_of,
     color_of_bend,
     mix,
+    pattern_of,
 )
 from hav_env.rendering.scene import Scene, chain_of, ends_of, harms_of, shares_of
 from hav_env.world.units.parts import FRONT, HALF_WIDTH
 
-_DETAILED = 7.0  # pixels of breadth from which wheels and cabs can be told
-_VISIBLE = 3.0  # pixels of breadth from which rectangles can be seen
-NUMBERED = 1.2  # pixels per metre from which numbers have room
+_DETAILED = 7.0  # pixels of breadth from which wheels and cabs are visible
+_VISIBLE = 3.0  # pixels of breadth from which rectangles are visible
+NUMBERED = 1.2  # pixels per metre from which numbers fit
 TAG = 9.0  # pixels, radius of a number's disc
 
 
 def breadth_of(scene: Scene, hav: int) -> float:
-    """Return how broad a HAV is drawn [m]; lines have no breadth."""
+    """Return the drawn breadth of a HAV [m]; lines have none."""
     if scene.shape is not None:
         return 2.0 * float(scene.shape[hav, : scene.num_trailers[hav] + 1, HALF_WIDTH].max())
     return float(np.clip(0.4 * scene.length[hav, 0], 1.4, 2.4))
 
 
 def overhang_of(scene: Scene, hav: int) -> float:
-    """Return how far a truck sticks out ahead of its front axle [m]; lines do not."""
+    """Return the front overhang of a truck [m]; lines have none."""
     return 0.0 if scene.shape is None else float(scene.shape[hav, 0, FRONT])
 
 
@@ -42,15 +45,18 @@ def draw_hav(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
     near = pixels >= _DETAILED
     if scene.shape is not None and pixels >= _VISIBLE:
         draw_bodies(canvas, camera, scene, hav, near)
+        _draw_pattern(canvas, camera.project(axles), hav, pixels)
         draw = _draw_joints if near else _draw_bends
         draw(canvas, camera, scene, hav, axles, ends)
     elif near:
         for unit in range(scene.num_trailers[hav], 0, -1):
             _draw_trailer(canvas, camera, scene, hav, unit, axles[unit + 1])
         _draw_truck(canvas, camera, scene, hav, axles)
+        _draw_pattern(canvas, camera.project(axles), hav, pixels)
         _draw_joints(canvas, camera, scene, hav, axles, ends)
     else:
         _draw_chain(canvas, camera, scene, hav, axles, ends)
+        _draw_pattern(canvas, camera.project(axles), hav, max(3.0, pixels))
     front, rear = camera.project(axles[:2])
     troubled = bool(harms_of(scene, hav))
     if camera.scale >= NUMBERED:
@@ -60,6 +66,20 @@ def draw_hav(canvas: Canvas, camera: Camera, scene: Scene, hav: int) -> None:
     elif troubled:
         canvas.disc(rear, 4.5, RED)
         canvas.disc(rear, 2.0, PAPER)
+
+
+def _draw_pattern(canvas: Canvas, points: np.ndarray, hav: int, breadth: float) -> None:
+    """Draw the pattern of a HAV along its axles (K, 2), which are pixels, like its breadth."""
+    pattern, width = pattern_of(hav), max(1.0, 0.3 * breadth)
+    if pattern == "stripe":
+        canvas.stroke(points, PAPER, width)
+    for start, end in itertools.pairwise(points) if pattern in ("dashes", "dots") else ():
+        if pattern == "dashes":
+            canvas.dash(start, end, PAPER, width)
+            continue
+        count = int(np.hypot(*(end - start)) / max(2.5 * width, 6.0)) + 1
+        for share in (np.arange(count) + 0.5) / count:
+            canvas.disc(start + share * (end - start), max(1.2, 0.6 * width), PAPER)
 
 
 def _draw_wheels(canvas: Canvas, camera: Camera, pose: tuple, half: float, turn: float = 0.0):
@@ -82,7 +102,7 @@ def _draw_trailer(
     body = camera.place(pose, box(-0.4 * half, front, 0.9 * half))
     canvas.fill(body, mix(color, PAPER, 0.62))
     canvas.outline(body, color, 1.0)
-    if 0.5 * front * camera.scale > 8.0:  # which way the trailer points
+    if 0.5 * front * camera.scale > 8.0:  # direction of the trailer
         middle, reach = 0.5 * front, 0.4 * half
         chevron = [(middle - reach, reach), (middle, 0.0), (middle - reach, -reach)]
         canvas.stroke(camera.place(pose, chevron), color, 1.7)
@@ -108,14 +128,14 @@ def _draw_truck(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles) -
 
 
 def _draw_joints(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles, ends) -> None:
-    """Draw drawbars and the bend of every joint, in the colour of how near it is to its limit."""
+    """Draw drawbars and the bend of every joint, coloured by its nearness to its limit."""
     hitches, half = camera.project(ends[1:]), 0.5 * breadth_of(scene, hav) * camera.scale
     places, shares = camera.project(axles[1:]), shares_of(scene, hav)
     for joint in range(scene.num_trailers[hav], 0, -1):
         nearness = shares[joint - 1]
         color = color_of_bend(nearness)
         hitch, length = hitches[joint - 1], scene.length[hav, joint]
-        if nearness > 0.25:  # the angle between straight on and where the trailer is
+        if nearness > 0.25:  # the angle between straight ahead and the trailer
             ahead, behind = scene.heading[hav, [joint - 1, joint]] + np.pi
             angles = np.linspace(ahead, behind, 14)
             arc = hitch + 1.7 * half * np.stack([np.cos(angles), -np.sin(angles)], axis=1)
@@ -142,7 +162,7 @@ def _draw_bends(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles, e
 
 
 def _draw_chain(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles, ends) -> None:
-    """Draw a HAV that is far away: lines of its lengths, an arrow head for the truck."""
+    """Draw a HAV at a small scale: lines of its lengths, an arrow head for the truck."""
     color, points = color_of(hav), camera.project(axles)
     breadth = breadth_of(scene, hav) * camera.scale
     line = points[1:]
@@ -161,7 +181,7 @@ def _draw_chain(canvas: Canvas, camera: Camera, scene: Scene, hav: int, axles, e
 
 
 def _draw_tag(canvas: Canvas, scene: Scene, hav: int, place: np.ndarray, troubled: bool) -> None:
-    """Draw the number of a HAV, ringed when something has happened to it; a tick when it waits."""
+    """Draw the number of a HAV, with a ring after a failure and a tick while it waits."""
     canvas.disc(place, TAG + 3.0, GROUND)
     if troubled:
         canvas.disc(place, TAG + 2.5, RED)

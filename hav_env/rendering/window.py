@@ -6,26 +6,26 @@ from typing import Any, ClassVar
 
 from hav_env.rendering.canvas import pygame
 
-_UNSEEN = ("dummy", "offscreen")  # what SDL falls back to where there is no display
+_UNSEEN = ("dummy", "offscreen")  # SDL's fallback without a display
 
 
 class NoDisplayError(OSError, RuntimeError):
-    """There is no display on which a window could open."""
+    """There is no display for a window."""
 
 
 class Window:
-    """A viewer's hold on the window, which opens with the first picture.
+    """A viewer's share of the window, which opens with the first picture.
 
-    It stays open as long as a viewer holds it. Another library may close it at any time: it opens
-    again with the next picture.
+    It stays open as long as a viewer has a share. Another library may close it at any time: it
+    opens again with the next picture.
     """
 
     _holders: ClassVar[weakref.WeakSet["Window"]] = weakref.WeakSet()
-    # surface and size that a viewer opened: the window of another library is not ours to close
+    # surface and size that a viewer opened; a viewer never closes another library's window
     _opened: ClassVar[tuple[pygame.Surface, tuple[int, int]] | None] = None
 
     def __init__(self, size: tuple[int, int]) -> None:
-        """Hold nothing yet.
+        """Create a share without a window.
 
         Args:
             size: width and height in pixels.
@@ -35,14 +35,14 @@ class Window:
 
     @property
     def asked_to_close(self) -> bool:
-        """Whether the user closed the window while this viewer held it."""
+        """Whether the user closed the window while this viewer had a share of it."""
         return self._asked_to_close
 
     def take_events(self) -> list[Any]:
-        """Return what was pressed since the last time, opening the window when it is not open.
+        """Return the keys pressed since the last call; open the window if necessary.
 
         Raises:
-            NoDisplayError: when there is no display.
+            NoDisplayError: if there is no display.
         """
         self._open()
         events = pygame.event.get()
@@ -57,7 +57,7 @@ class Window:
         pygame.display.flip()
 
     def close(self) -> None:
-        """Let go of the window; the last viewer closes it. Twice is fine."""
+        """Release the window; the last viewer closes it. A second call has no effect."""
         if self not in Window._holders:
             return
         Window._holders.discard(self)
@@ -78,7 +78,7 @@ class Window:
 
     @classmethod
     def _is_ours(cls, surface: pygame.Surface | None) -> bool:
-        """Tell whether a viewer opened a surface and was the last to give it a size.
+        """Return whether a viewer opened a surface and was the last to set its size.
 
         There is one surface in a process: another library that opens a window takes it over.
         """
@@ -93,7 +93,7 @@ def _surface() -> pygame.Surface | None:
 
 
 def _need_display() -> None:
-    """Raise NoDisplayError where nobody would see a window, unless the user asked for that."""
+    """Raise NoDisplayError if a window would be invisible, unless the user requested that."""
     if pygame.display.get_init():
         return
     rule = "render_mode is human, but there is no display: use rgb_array"

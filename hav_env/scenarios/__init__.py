@@ -1,9 +1,10 @@
-"""This package has the scenarios, which place HAVs and goals: one file for each kind.
+"""This package defines the scenarios, which place HAVs and goals: one file for each kind.
 
 A scenario is a NamedTuple whose type selects its kernel. The arrays get their shapes from its
 fields ``num_havs``, ``num_goals`` and ``max_trailers``, and ``num_segments`` if it has obstacles.
-Beyond ``articulation_max`` [rad] its HAVs are jackknifed. Its ``fleet`` draws the HAVs and states
-the limits of all. ``Explicit`` writes down each HAV's lengths and limits, and is its own fleet.
+A HAV with an articulation above ``articulation_max`` [rad] is jackknifed. ``fleet`` draws the HAVs
+and states the limits of all. ``Explicit`` lists each HAV's lengths and limits, and is its own
+fleet.
 """
 
 from typing import Any
@@ -31,6 +32,7 @@ from hav_env.scenarios.fleets import RandomFleet
 from hav_env.scenarios.random_poses import RandomPoses, populate_random_poses
 from hav_env.scenarios.site_poses import SitePoses, populate_site_poses, site_poses
 from hav_env.scenarios.sites.field import Field, populate_field
+from hav_env.scenarios.sites.random_site_poses import RandomSitePoses, populate_random_site_poses
 from hav_env.scenarios.yard import Yard, populate_yard
 from hav_env.world.arrays import World
 
@@ -54,17 +56,17 @@ _OF_FLEET = {
 def populate(scenario: Any, world: World, lane: int) -> bool:
     """Fill fleet, start poses and goals of the world in one lane from the key of its episode.
 
-    Returns False when the scenario found no room for its HAVs.
+    Returns False if the scenario found no space for its HAVs.
     """
     raise NotImplementedError
 
 
 def check_scenario(scenario: Any) -> None:
-    """Check a scenario before it is used.
+    """Check a scenario before its use.
 
     Raises:
-        ValueError: naming the field, its value and what is allowed.
-        TypeError: when this is no scenario, or a field has a value of another kind.
+        ValueError: if a field is outside its range; the message names its value and the rule.
+        TypeError: if this is no scenario, or a field has a value of another kind.
     """
     check_model("scenario", scenario, populate)
     for name, kind in _ALWAYS.items():  # which may be properties
@@ -77,12 +79,12 @@ def check_scenario(scenario: Any) -> None:
 
 
 def segments_of(scenario: Any) -> int:
-    """Return for how many segments of obstacles a world of a scenario needs room."""
+    """Return how many segments of obstacles a world of a scenario can have."""
     return getattr(scenario, "num_segments", 0)
 
 
 class PlacementError(ValueError):
-    """A scenario found no room for its HAVs."""
+    """A scenario found no space for its HAVs."""
 
 
 populate.register(RandomPoses)(populate_random_poses)
@@ -92,6 +94,7 @@ populate.register(Yard)(populate_yard)
 populate.register(Column)(populate_column)
 populate.register(Explicit)(populate_explicit)
 populate.register(SitePoses)(populate_site_poses)
+populate.register(RandomSitePoses)(populate_random_site_poses)
 
 __all__ = [
     "CatalogueFleet",
@@ -102,6 +105,7 @@ __all__ = [
     "PlacementError",
     "RandomFleet",
     "RandomPoses",
+    "RandomSitePoses",
     "SitePoses",
     "Yard",
     "catalogue_fleet",

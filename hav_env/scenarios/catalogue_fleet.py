@@ -38,19 +38,20 @@ class CatalogueFleet(NamedTuple):
     steering_max: Steering
     """Largest steering angle of any vehicle [rad]."""
     articulation_max: Articulation
-    """Least limit of the joints of all vehicles [rad]: a policy that keeps below it keeps all."""
+    """Least limit of the joints of all vehicles [rad]; a policy below it satisfies all limits."""
     num_trailers: Table
     """(V,) numbers of trailers."""
     length: Table
     """(V, U) of units [m], inf beyond the last."""
     offset: Table
-    """(V, U) how far behind the axle of a unit its trailer is hitched [m]; 0 for the last unit."""
+    """(V, U) distance of a unit's axle to the hitch of its trailer behind it [m]; 0 for the
+    last."""
     limit: Table
     """(V, U) articulation of each trailer beyond which the HAV is jackknifed [rad]."""
     shape: Table
     """(V, U, 3) half width, front and rear overhang of each body [m]."""
     share: Table
-    """(V,) with which probability a HAV is of this kind or one before."""
+    """(V,) cumulative probability: a HAV is of this kind or one before."""
     speed: Table
     """(V,) largest speeds [m/s]."""
     steering: Table
@@ -67,17 +68,17 @@ def catalogue_fleet(
 ) -> CatalogueFleet:
     """Return a fleet of vehicles of the catalogue, or of your own.
 
-    Use it as the ``fleet`` of a scenario, with a vehicle model that knows hitches:
+    Use it as the ``fleet`` of a scenario, with a vehicle model that has hitches:
     ``parallel_env(scenario=RandomPoses(fleet=catalogue_fleet("wb-67")), vehicle="realistic")``.
 
     Args:
         vehicles: names in the catalogue, or ``Combination`` models; one, or a list.
-        weights: how often each of them is drawn, relative to the others; equally by default.
+        weights: relative frequency of each; equal by default.
         speed_max: largest speed of all [m/s]; by default the working speed of each.
 
     Raises:
-        ValueError: when there is no such vehicle, or a weight is no number above 0.
-        TypeError: when a vehicle is neither a name nor a ``Combination``.
+        ValueError: if there is no such vehicle, or a weight is not a number above 0.
+        TypeError: if a vehicle is neither a name nor a ``Combination``.
     """
     listed = [vehicles] if isinstance(vehicles, str | Combination) else list(vehicles)
     if not listed:

@@ -1,10 +1,11 @@
-"""This module reads the site of a world, and checks that written HAVs start and end inside it."""
+"""This module reads the site of a world, and checks the given starts and goals of HAVs on it."""
 
+import itertools
 from typing import Any
 
 import numpy as np
 
-from hav_env.places.contact import place_is_inside, touched_segment
+from hav_env.places.contact import bodies_touch, place_is_inside, touched_segment
 from hav_env.places.site import BOUNDARY, LINE, NOWHERE, POLYGON, Site, join_outlines
 from hav_env.world.chain import corners_of
 from hav_env.world.place.segments import Plane
@@ -13,12 +14,12 @@ _NAMES = {BOUNDARY: "the boundary", POLYGON: "a polygon", LINE: "a line"}
 
 
 def site_in(scenario: Any, place: Any, w: int) -> Site:
-    """Return the site of a world: its scenario's, or the segments that were drawn, as lines.
+    """Return the site of a world: its scenario's site, or the drawn segments as lines.
 
     Args:
-        scenario: of the batch.
-        place: of the batch.
-        w: which world.
+        scenario: scenario of the batch.
+        place: place of the batch.
+        w: number of the world.
     """
     if hasattr(scenario, "site"):
         return scenario.site
@@ -32,14 +33,15 @@ def site_in(scenario: Any, place: Any, w: int) -> Site:
 
 
 def check_clear(scenario: Any) -> None:
-    """Check starts and goals of a scenario that is written down, against its site.
+    """Check the given starts and goals of a scenario against its site.
 
-    At its start a whole HAV must touch nothing, at its goals the truck. Its rear axle must be
-    inside the boundary and outside polygons. A body that the scenario does not state counts as a
-    line: the vehicle model gives it a width later.
+    At its start no part of a HAV may touch a segment, at its goals no part of its truck. Its rear
+    axle must be inside the boundary and outside polygons. A body that the scenario does not state
+    counts as a line. A vehicle model may give it a width later: a wider body that then touches a
+    segment collides in step 1.
 
     Raises:
-        ValueError: naming the HAV, the place and what is in the way.
+        ValueError: if a pose touches a segment; the message names HAV, place and segment.
     """
     site = scenario.site
     if site.num_segments == 0:
@@ -57,6 +59,35 @@ def check_clear(scenario: Any) -> None:
             truck = np.array([heading])
             corners = corners_of(shape[:1], x, y, truck, length[:1], offset[:1])
             _check_place(site, f"goal {number} of HAV {agent}", "its truck", corners, x, y)
+
+
+def check_places(scenario: Any) -> None:
+    """Check that each straight vehicle of the fleet fits at each place of a site.
+
+    Vehicles also keep apart from each other at their start places. A body that the fleet
+    does not state counts as a line.
+
+    Raises:
+        ValueError: if a vehicle does not fit; the message names place, vehicle and obstacle.
+    """
+    fleet, bodies = scenario.fleet, {}
+    for number, (x, y, heading) in enumerate(scenario.place):
+        for kind, last in enumerate(fleet.num_trailers):
+            units = slice(0, int(last) + 1)
+            shape = np.where(fleet.shape[kind, units] >= 0.0, fleet.shape[kind, units], 0.0)
+            length, offset = fleet.length[kind, units], fleet.offset[kind, units]
+            headings = np.full(len(length), heading)
+            corners = corners_of(shape, x, y, headings, length, offset)
+            who = f"vehicle {kind} of the fleet"
+            _check_place(scenario.site, f"scenario place {number}", who, corners, x, y)
+            bodies[number, kind] = corners
+    starts = [at for at in bodies if scenario.first[at[0]] == 1]
+    for one, other in itertools.combinations(starts, 2):
+        if one[0] != other[0] and bodies_touch(bodies[one], bodies[other]):
+            told = " and ".join(
+                f"vehicle {kind} at place {number}" for number, kind in (one, other)
+            )
+            raise ValueError(f"scenario has {told} in contact, but HAVs may start at both")
 
 
 def _check_place(site: Site, place: str, who: str, corners: np.ndarray, x: float, y: float) -> None:

@@ -1,4 +1,4 @@
-"""This module has the scenario of a column: one HAV behind the other, straight on."""
+"""This module defines the scenario of a column: one HAV behind the other, straight on."""
 
 from typing import NamedTuple
 
@@ -21,7 +21,7 @@ class Column(NamedTuple):
     """Distance that the column moves on for each goal [m]."""
     gap: Gap = 10.0
     """Gap [m] between the footprint of a HAV and that of the one behind, or the front of its truck
-    where that sticks out."""
+    if that sticks out."""
 
     @property
     def max_trailers(self) -> int:
@@ -35,7 +35,7 @@ class Column(NamedTuple):
 
 
 def populate_column(scenario, world, lane):
-    """Draw the fleet of one lane and line it up; there is always room."""
+    """Draw the fleet of one lane and line it up; the space always suffices."""
     fleet = world.fleet
     draw_fleet(scenario.fleet, fleet, lane, scenario_key(world, lane), 0)
     x = 0.0

@@ -1,6 +1,6 @@
-"""This module has the scenario of a crossing.
+"""This module defines the scenario of a crossing.
 
-All HAVs stand on a circle and must go through its centre to the other side.
+All HAVs start on a circle and must drive through its centre to the other side.
 """
 
 import math
@@ -18,7 +18,7 @@ class Crossing(NamedTuple):
     """HAVs at even angles on a circle, heading to its centre; goals on the opposite side.
 
     The circle is as small as the fleet of the episode allows. Further goals lie at the two ends in
-    turn, so that everybody turns round and comes back, and always point away from the centre.
+    turn and point away from the centre, so all HAVs turn round and come back.
     """
 
     num_havs: Havs = 2
@@ -43,7 +43,7 @@ class Crossing(NamedTuple):
 
 
 def populate_crossing(scenario, world, lane):
-    """Draw the fleet of one lane and put it on its circle; there is always room."""
+    """Draw the fleet of one lane and put it on its circle; the space always suffices."""
     draw_fleet(scenario.fleet, world.fleet, lane, scenario_key(world, lane), 0)
     radius = _circle_radius(scenario, world.fleet, lane)
     for agent in range(scenario.num_havs):
@@ -62,7 +62,7 @@ def populate_crossing(scenario, world, lane):
 
 @kernel
 def _circle_radius(scenario, fleet, lane):
-    """Return the radius [m] of the least circle on which all have their gaps.
+    """Return the radius [m] of the least circle on which all HAVs keep their gaps.
 
     HAVs that are k places apart among N have the chord 2 r sin(pi k / N) between them. A truck may
     stick out of its footprint; but every HAV stands on a ray of its own and ends before the centre,

@@ -1,4 +1,4 @@
-"""This module has scenarios that are written down: given lengths, start poses and goal poses."""
+"""This module defines explicit scenarios: given lengths, start poses and goal poses."""
 
 import math
 from collections.abc import Sequence
@@ -62,7 +62,7 @@ class Explicit(NamedTuple):
 
     @property
     def fleet(self) -> "Explicit":
-        """The HAVs: those that are written down."""
+        """The given HAVs."""
         return self
 
     @property
@@ -88,7 +88,7 @@ def explicit(
     bends: Sequence[Sequence[float]] | None = None,
     site: Site = NOWHERE,
 ) -> Explicit:
-    """Write a scenario down; docs/ranges.md says what numbers may be.
+    """Return an explicit scenario; docs/ranges.md lists the ranges of numbers.
 
     Args:
         lengths: for each HAV the lengths [m] of its truck and its trailers, at least one trailer;
@@ -96,16 +96,16 @@ def explicit(
         start: for each HAV x [m], y [m], heading [rad].
         goals: for each HAV its goal poses, as many as the others have.
         speed_max: largest speed of all HAVs [m/s] whose lengths are given.
-        steering_max: largest steering angle of them [rad].
-        articulation_max: articulation beyond which they are jackknifed [rad].
+        steering_max: their largest steering angle [rad].
+        articulation_max: articulation above which they are jackknifed [rad].
         footprint_truck_share: share of the truck's length in the footprint radius d_i.
         bends: for each HAV the articulations of its trailers at the start [rad]; 0 by default.
         site: walls and bounds that no HAV may touch, such as ``load_site`` returns. Starts and
             goals must be clear of them.
 
     Raises:
-        TypeError: naming what is no list or no number.
-        ValueError: naming the HAV and what is wrong with it.
+        TypeError: if a value is no list or no number; the message names it.
+        ValueError: if a HAV is wrong; the message names the HAV and the rule.
     """
     poses, targets = read_numbers("start", start, 2), read_numbers("goals", goals, 3)
     limits = HavLimits(speed_max, steering_max, articulation_max)

@@ -24,15 +24,15 @@ def load_explicit(path: str | os.PathLike[str]) -> Explicit:
     The file is in UTF-8, UTF-16 or UTF-32, with a byte order mark or without.
 
     Raises:
-        ValueError: when the file is no such scenario, naming file and entry; OSError: when it
-            cannot be read.
+        ValueError: if the file is no such scenario; the message names file and entry. OSError: if
+            the system cannot read it.
     """
     return read_json(path, "scenario", _MOST_BYTES, _from_json)
 
 
 @functools.cache
 def scenario_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a scenario that is written down."""
+    """Return the JSON Schema of an explicit scenario."""
     package = importlib.resources.files("hav_env.scenarios")
     return json.loads((package / "scenario.schema.json").read_text(encoding="utf-8"))
 
@@ -46,7 +46,7 @@ def _from_json(data: Any) -> Explicit:
         name = hav.get("vehicle")
         if name in vehicles or name is None:
             continue
-        # not module:NAME, nor another file: opening a file runs nothing that it names
+        # neither module:NAME nor another file, so that opening a file runs no code
         if name not in COMBINATIONS.names():
             known = ", ".join([*vehicles, *COMBINATIONS.names()])
             raise ValueError(f"HAV {agent} has the unknown vehicle {show(name)}; known: {known}")

@@ -1,4 +1,4 @@
-"""This module draws random fleets, the paper's section V: units, lengths, limits."""
+"""This module draws random fleets as in section V of the paper: units, lengths, limits."""
 
 import math
 from typing import NamedTuple
@@ -20,48 +20,53 @@ from hav_env.scenarios.catalogue_fleet import CatalogueFleet, draw_catalogue_fle
 from hav_env.world.arrays import EPISODE, SEED, derive_radii, set_limits
 
 _STREAM = 0  # of the episode's random numbers; policies use others
-_MOST_DRAWS = 10_000  # of one length or count, before the limits are held to be unreachable
+_MOST_DRAWS = 10_000  # of one length or count, before the draw fails as unreachable
 
 
 class RandomFleet(NamedTuple):
     """The distributions of the HAVs of an episode; the defaults are the paper's."""
 
     min_trailers: Trailers = 1
+    """Least number of trailers."""
     max_trailers: Trailers = 10
+    """Largest number of trailers."""
     trailer_sigma: Spread = 3.0
     """sigma of the Rayleigh distribution of the trailer count."""
     trailer_offset: Offset = 0.0
-    """Added before a Rayleigh sample is cut to a whole number: 0 cuts downwards, 0.5 rounds.
-    The paper leaves this open; cutting gives somewhat more goals."""
+    """Offset of a Rayleigh sample before truncation to a whole number: 0 truncates, 0.5 rounds. The
+    paper leaves this open; truncation gives somewhat more goals."""
     trailer_redraw: bool = False
-    """Draw counts outside the limits again, instead of moving them to the nearest limit.
+    """Whether to draw counts outside the limits again, instead of clipping them to the limits.
     The paper leaves this open; it matters for one HAV in twenty."""
     min_length: Length = 2.0
     """Least length of trucks and trailers [m]."""
     max_length: Length = 12.0
     """No length reaches this [m]."""
     short_truck_mean: Length = 4.0
-    """Truck lengths are an even mixture of two normal distributions [m], drawn again when outside
-    the limits."""
+    """Mean length of short trucks [m]. Half of the trucks are short, half are long; both lengths
+    have normal distributions, drawn again when outside the limits."""
     short_truck_deviation: Spread = 0.6
+    """Standard deviation of the length of short trucks [m]."""
     long_truck_mean: Length = 10.7
+    """Mean length of long trucks [m]."""
     long_truck_deviation: Spread = 1.2
+    """Standard deviation of the length of long trucks [m]."""
     footprint_truck_share: Share = 0.0
     """Share of the truck's length in the footprint radius d_i. The paper's formula sums the
-    trailers alone, so that a truck sticks out; its few actual collisions read as if trucks
-    counted."""
+    trailers alone, so a truck sticks out. Its few actual collisions suggest that trucks counted."""
     speed_max: Speed = 1.0
-    """[m/s]; eq. (vmax) allows the paper's fleets at least this."""
+    """Largest speed [m/s]; equation (16) of the paper allows its fleets at least 1 m/s."""
     steering_max: Steering = math.radians(40.0)
-    """[rad]; the paper does not state it. v_max >= 1 m/s bounds it below 58.8 degrees; 40 degrees
-    fits the jackknifes and goals published for single HAVs (docs/reproduction.md)."""
+    """Largest steering angle [rad]; the paper does not state it. v_max >= 1 m/s bounds it below
+    58.8 degrees; 40 degrees fits the jackknifes and goals published for single HAVs
+    (docs/reproduction.md)."""
     articulation_max: Articulation = math.pi / 2
-    """Jackknifed beyond it [rad]."""
+    """Articulation above which a HAV is jackknifed [rad]."""
 
 
 @kernel
 def scenario_key(world, lane):
-    """Return what the random numbers of a scenario depend on: seed, episode, stream."""
+    """Return the key of a scenario's random numbers, from seed, episode and stream."""
     clock = world.state.clock
     return clock[SEED, lane], clock[EPISODE, lane], _STREAM
 
@@ -71,9 +76,9 @@ def draw_fleet(model, fleet, lane, key, draw):
     """Draw the HAVs of one lane.
 
     Args:
-        model: how they are drawn; its type selects the kernel.
+        model: their distributions; its type selects the kernel.
         fleet: the arrays to fill.
-        lane: which world of the block.
+        lane: number of the world in the block.
         key: key of the episode's random numbers, see ``scenario_key``.
         draw: number of the first random number.
 

@@ -1,4 +1,4 @@
-"""This module has vehicles that are given unit by unit, for scenarios that are written down."""
+"""This module defines vehicles given unit by unit, for explicit scenarios."""
 
 import math
 from collections.abc import Sequence
@@ -33,9 +33,9 @@ class GivenVehicle(NamedTuple):
     """One vehicle of K units; unit 0 is the truck."""
 
     length: np.ndarray
-    """(K,) of the units [m]."""
+    """(K,) lengths of the units [m]."""
     offset: np.ndarray
-    """(K,) how far behind the axle of a unit its trailer is hitched [m]; 0 for the last unit."""
+    """(K,) distance of a unit's axle to the hitch of its trailer behind it [m]; 0 for the last."""
     limit: np.ndarray
     """(K,) articulation of each trailer beyond which the HAV is jackknifed [rad]."""
     shape: np.ndarray
@@ -47,7 +47,7 @@ class GivenVehicle(NamedTuple):
 
 
 class HavLimits(NamedTuple):
-    """Limits of one HAV, as ``set_limits`` reads them of a scenario."""
+    """Limits of one HAV, in the form that ``set_limits`` reads."""
 
     speed_max: float
     steering_max: float
@@ -68,10 +68,10 @@ def plain_vehicle(lengths: Sequence[float], limits: HavLimits) -> GivenVehicle:
 
 
 def real_vehicle(vehicle: Combination) -> GivenVehicle:
-    """Return a vehicle of the catalogue, or one that was made like it.
+    """Return a vehicle of the catalogue, or one of the same form.
 
     Raises:
-        ValueError, TypeError: naming the number that is wrong.
+        ValueError, TypeError: if a number is wrong; the message names it.
     """
     if len(vehicle.units) < 2:
         raise ValueError(f"vehicle {vehicle.name} has no trailer, but must have at least one")
@@ -91,12 +91,12 @@ def read_vehicle(name: str, value: Any, limits: HavLimits) -> GivenVehicle:
     """Return a vehicle: lengths of its units [m], a name in the catalogue, or a vehicle itself.
 
     Args:
-        name: of the argument, for messages.
-        value: value that the user gave.
-        limits: of vehicles that are lengths alone.
+        name: name of the argument, for messages.
+        value: value that the user passed.
+        limits: limits of vehicles given by lengths alone.
 
     Raises:
-        TypeError, ValueError: naming what is no vehicle.
+        TypeError, ValueError: if a value is no vehicle; the message names it.
     """
     if isinstance(value, GivenVehicle):
         return value
@@ -124,13 +124,13 @@ def bends_in(worlds: World, lane: int) -> list[list[float]]:
     """Return the articulations of all trailers of every HAV in one lane [rad]."""
     heading, last = worlds.state.heading[..., lane], worlds.fleet.num_trailers[:, lane]
     bends = np.remainder(np.diff(heading) + math.pi, 2.0 * math.pi) - math.pi
-    # a HAV that was put straight is straight, whatever rounding makes of that
+    # a HAV placed straight is straight, in spite of rounding
     bends[np.diff(heading) == 0.0] = 0.0
     return [own[:count].tolist() for own, count in zip(bends, last, strict=True)]
 
 
 def tabulate_vehicles(vehicles: Sequence[GivenVehicle]) -> dict[str, Any]:
-    """Return the arrays of V vehicles, by the names that ``write_vehicle`` reads; U - 1 also."""
+    """Return the arrays of V vehicles, by the names that ``write_vehicle`` reads, and U - 1."""
     units = max(len(vehicle.length) for vehicle in vehicles)
 
     def padded(field: str, empty: float) -> np.ndarray:
@@ -153,15 +153,15 @@ def tabulate_vehicles(vehicles: Sequence[GivenVehicle]) -> dict[str, Any]:
 
 
 def check_vehicles(kind: str, tables: Any, count: int) -> None:
-    """Check arrays of vehicles that need not have been made by ``tabulate_vehicles``.
+    """Check arrays of vehicles from any source, not only from ``tabulate_vehicles``.
 
     Args:
-        kind: kind of model that has them, for messages.
+        kind: kind of the model with these arrays, for messages.
         tables: the model.
         count: V, number of vehicles.
 
     Raises:
-        ValueError: naming the array, or the vehicle and what is wrong with it.
+        ValueError: if an array or a vehicle is wrong; the message names it and the rule.
     """
     units = tables.max_trailers + 1
     shapes: dict[str, tuple] = dict.fromkeys(("length", "offset", "limit"), (count, units))
@@ -197,16 +197,16 @@ def check_vehicles(kind: str, tables: Any, count: int) -> None:
 
 @kernel
 def write_vehicle(table, kind, truck_share, fleet, agent, lane):
-    """Give a HAV lengths, limits, hitches and bodies, and what follows from them.
+    """Set lengths, limits, hitches and bodies of a HAV, and the quantities derived from them.
 
     Args:
-        table: has a row for each vehicle: ``num_trailers`` (V,), ``length``, ``offset`` and
+        table: arrays with a row for each vehicle: ``num_trailers`` (V,), ``length``, ``offset`` and
             ``limit`` (V, U), ``shape`` (V, U, 3), ``speed`` and ``steering`` (V,).
-        kind: which of its rows.
+        kind: number of its row.
         truck_share: share of the truck's length in the footprint radius d_i.
-        fleet: of a block of worlds.
-        agent: which HAV.
-        lane: which world.
+        fleet: fleet of a block of worlds.
+        agent: number of the HAV.
+        lane: number of the world.
     """
     last = table.num_trailers[kind]
     fleet.num_trailers[agent, lane] = last

@@ -4,12 +4,12 @@
 |---|---|
 | ``paper-single`` | the paper's with one HAV: random start, two random goals |
 | ``paper-pair`` | the paper's with two HAVs, in a square four times as large as their footprints |
-| ``swarm-5``, ``-10``, ``-20``, ``-50``, ``-200`` | the same with so many HAVs |
+| ``swarm-5``, ``-10``, ``-20``, ``-50``, ``-200`` | the same with that number of HAVs |
 | ``dense-2``, ``-5``, ``-10``, ``-20``, ``-50`` | the same in half the area |
-| ``crossing-2``, ``-8`` | so many HAVs on a circle, through its centre to the other side |
-| ``yard-4``, ``-10`` | from a row of so many bays into random bays opposite |
+| ``crossing-2``, ``-8`` | that number of HAVs on a circle, through its centre to the other side |
+| ``yard-4``, ``-10`` | from a row of that number of bays into random bays opposite |
 | ``column-5`` | five HAVs one behind the other, 200 m straight on |
-| ``field-1``, ``field-4`` | so many real vehicles among 32 random walls in 120 m x 120 m |
+| ``field-1``, ``field-4`` | that number of real vehicles among 32 random walls in 120 m x 120 m |
 | ``gate-2`` | two HAVs from both sides of a gate that is 1 m wider than they |
 | ``docks-6`` | six HAVs in a yard: from waiting lanes through docks and back |
 | ``junction-4`` | four HAVs at a junction of two roads |
@@ -17,6 +17,7 @@
 | ``haul-road-4`` | four long trucks on a two-way road between two loops |
 | ``parking-8`` | eight HAVs in two rows of oblique places that they drive through |
 | ``roundabout-6`` | six HAVs at a roundabout with four arms |
+| ``apron-6`` | six baggage trains between a hall and parked aircraft |
 
 The fleets are the paper's but for those from ``field-1`` on. Their vehicles need
 ``vehicle="realistic"``. Everything else is in the docstrings of the classes and in
@@ -30,6 +31,7 @@ from hav_env.models.checks import check_value
 from hav_env.models.names import Registry
 from hav_env.models.protocols import Scenario
 from hav_env.models.quantities import Havs
+from hav_env.places import Site
 from hav_env.scenarios import (
     Column,
     Crossing,
@@ -42,6 +44,7 @@ from hav_env.scenarios import (
     populate,
 )
 from hav_env.scenarios.sites import BUILDERS
+from hav_env.scenarios.sites.at_site import put_on_site, read_site
 
 SCENARIOS: dict[str, Any] = {
     "paper-single": RandomPoses(num_havs=1),
@@ -87,21 +90,27 @@ def find_scenario(name: str | os.PathLike[str]) -> Scenario:
 
 
 def scenario_of(
-    scenario: Scenario | str | os.PathLike[str], num_havs: int | None = None
+    scenario: Scenario | str | os.PathLike[str],
+    num_havs: int | None = None,
+    site: Site | str | os.PathLike[str] | None = None,
 ) -> Scenario:
-    """Return a scenario that has been checked.
+    """Return a checked scenario.
 
     Args:
-        scenario: one, or the name or file of one, see ``find_scenario``.
-        num_havs: how many HAVs it is to have, if not as many as it has.
+        scenario: a scenario, or its name or file, see ``find_scenario``.
+        num_havs: number of HAVs, if it differs from the scenario's.
+        site: obstacles and bounds for the scenario, or their file, see ``load_site``.
 
     Raises:
-        ValueError: when there is no such scenario, a parameter is not allowed, or the scenario
-            writes its HAVs down and has another number of them.
-        TypeError: when this is no scenario.
+        ValueError: when there is no such scenario, a parameter is not allowed, the scenario writes
+            its HAVs down and has another number of them, or it cannot be put on a site.
+        TypeError: when this is no scenario, or no site.
     """
     found = find_scenario(scenario) if isinstance(scenario, str | os.PathLike) else scenario
     check_scenario(found)
+    if site is not None:
+        found = put_on_site(found, read_site(site))
+        check_scenario(found)
     if num_havs is None:
         return found
     check_value("num_havs", Havs, num_havs)
@@ -109,8 +118,8 @@ def scenario_of(
         return found
     if isinstance(found, Explicit):
         raise ValueError(
-            f"num_havs is {num_havs}, but an explicit scenario has the HAVs that are written down:"
-            f" {found.num_havs}"
+            f"num_havs is {num_havs}, but must be {found.num_havs}, the number of HAVs of the"
+            " explicit scenario"
         )
     changed = cast(Any, found)._replace(num_havs=int(num_havs))
     check_scenario(changed)

@@ -15,17 +15,17 @@ class RandomPoses(NamedTuple):
     """Random HAVs at random poses, in a square four times as large as their footprints."""
 
     num_havs: Havs = 1
-    """M, how many HAVs share the plane; the paper's are 1 and 2."""
+    """Number M of HAVs in the plane; the paper has 1 and 2."""
     num_goals: Goals = 2
-    """Number of goals that each HAV gets, one after the other."""
+    """Number of consecutive goals of each HAV."""
     fleet: Fleets = RandomFleet()
     """Trucks and trailers."""
     area_factor: AreaFactor = 4.0
     """Area of the square over the sum of the footprints' areas; 2 is double density."""
     pose_attempts: Attempts = 1_000
-    """Poses tried for one HAV before the world is drawn afresh."""
+    """Attempts to place one HAV before the world is drawn again."""
     world_attempts: WorldAttempts = 50
-    """Worlds drawn before the density is held to be unreachable."""
+    """Attempts to draw a world before the draw fails."""
 
     @property
     def max_trailers(self) -> int:
@@ -39,13 +39,13 @@ class RandomPoses(NamedTuple):
 
 
 def populate_random_poses(scenario, world, lane):
-    """Draw one world; worlds that leave no room for a pose are drawn afresh, a bounded number."""
+    """Draw one world; draw worlds without space for a pose again, a bounded number of times."""
     key = scenario_key(world, lane)
     draw = 0
     for _ in range(scenario.world_attempts):
         draw = draw_fleet(scenario.fleet, world.fleet, lane, key, draw)
         side = _area_side(scenario, world.fleet, lane)
-        # phase -1 stands for the starts, drawn where the first goals will be
+        # phase -1 means the starts, which are drawn into the rows of the first goals
         for phase in range(-1, scenario.num_goals):
             draw = place_all(scenario, world, max(phase, 0), side, lane, key, draw)
             if draw < 0:
@@ -75,16 +75,16 @@ def place_all(scenario, world, phase, side, lane, key, draw):
     """Draw the goals of a phase, none in potential collision with another; return the next draw.
 
     Args:
-        scenario: its numbers of HAVs and of attempts.
-        world: the block.
-        phase: which goal of each HAV, from 0.
-        side: of the square in which they lie [m].
-        lane: which world.
+        scenario: the scenario.
+        world: a block of worlds.
+        phase: number of the goal, from 0.
+        side: side of the square with the goals [m].
+        lane: number of the world.
         key: of the episode's random numbers.
         draw: number of the first random number.
 
     Returns:
-        The next draw; negative when there was no room.
+        The next draw; negative if there was no space.
     """
     goals = world.goals
     for agent in range(scenario.num_havs):

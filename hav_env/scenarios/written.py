@@ -1,4 +1,4 @@
-"""This module checks numbers of scenarios that are written down: lists, lengths, poses."""
+"""This module checks the numbers of explicit scenarios: lists, lengths, poses."""
 
 import math
 from collections.abc import Sequence
@@ -16,13 +16,13 @@ def read_numbers(name: str, value: Any, depth: int) -> list:
     """Return nested lists of numbers; arrays and other sequences become lists.
 
     Args:
-        name: of the argument, for the message.
-        value: value that the user gave.
-        depth: how many lists a number stands in.
+        name: name of the argument, for the message.
+        value: value that the user passed.
+        depth: nesting depth of the numbers.
 
     Raises:
-        TypeError: naming what is no list or no number.
-        ValueError: when a number is beyond what a float can hold.
+        TypeError: if a value is no list or no number; the message names it.
+        ValueError: if a number exceeds the range of a float.
     """
     value = read_list(value, name)
     if depth > 1:
@@ -36,7 +36,7 @@ def read_list(value: Any, name: str = "lengths") -> list:
     """Return a sequence, or an array, as a list.
 
     Raises:
-        TypeError: naming what is no list.
+        TypeError: if it is no list; the message names it.
     """
     if hasattr(value, "tolist"):
         value = value.tolist()
@@ -56,7 +56,7 @@ def _check_float(name: str, value: Any) -> None:
 
 
 def check_shapes(scenario: Any) -> None:
-    """Raise ValueError unless the arrays of an explicit scenario have the shapes that it states."""
+    """Raise ValueError unless the arrays of an explicit scenario have its shapes."""
     havs, units = scenario.num_havs, scenario.max_trailers + 1
     shapes = {
         "bend": (havs, units),
@@ -70,7 +70,7 @@ def check_shapes(scenario: Any) -> None:
 
 
 def check_lengths(length: np.ndarray, num_trailers: np.ndarray) -> None:
-    """Raise ValueError unless the units (N, U) that HAVs have are as long as units may be [m]."""
+    """Raise ValueError unless the lengths (N, U) of the HAVs' units are in their range [m]."""
     _, allowed = split_range(Length)
     assert allowed is not None
     for agent, (own, trailers) in enumerate(zip(length, num_trailers, strict=True)):
@@ -81,7 +81,7 @@ def check_lengths(length: np.ndarray, num_trailers: np.ndarray) -> None:
 
 
 def check_poses(places: np.ndarray) -> None:
-    """Raise ValueError unless starts and goals (N, 1 + G, 3) are where poses may be."""
+    """Raise ValueError unless starts and goals (N, 1 + G, 3) are in the range of poses."""
     for column, (part, kind) in enumerate(_POSE_PARTS.items()):
         _, allowed = split_range(kind)
         assert allowed is not None
@@ -99,11 +99,11 @@ def check_poses(places: np.ndarray) -> None:
 
 
 def check_apart(places: np.ndarray, radius: np.ndarray) -> None:
-    """Raise ValueError when starts, or goals of a phase, are in potential collision.
+    """Raise ValueError if starts, or goals of a phase, are in potential collision.
 
     Args:
         places: (N, 1 + G, 3), starts first; the first two columns are x and y [m].
-        radius: (N,) of the footprints [m].
+        radius: (N,) radii of the footprints [m].
     """
     for which in range(places.shape[1]):
         pair = _find_overlap(places[:, which, :2], radius)
@@ -120,8 +120,8 @@ def check_apart(places: np.ndarray, radius: np.ndarray) -> None:
 def _find_overlap(places: np.ndarray, radius: np.ndarray) -> tuple[int, int] | None:
     """Return two circles that overlap or touch, None if there are none.
 
-    Circles are compared with the next, the next but one, ... along the axis on which they spread
-    most, until all are too far apart on it: a row of thousands takes milliseconds.
+    The check sorts circles along the axis of their largest spread, and compares each with the next,
+    the next but one, ... until all are too far apart. A row of thousands takes milliseconds.
     """
     along = places[:, np.argmax(np.ptp(places, axis=0))]
     order = np.argsort(along)

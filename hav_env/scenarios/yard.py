@@ -1,6 +1,6 @@
-"""This module has the scenario of a yard: rows of bays beside each other.
+"""This module defines the scenario of a yard: rows of bays beside each other.
 
-Each HAV leaves one bay for a random one opposite.
+Each HAV drives from one bay to a random one opposite.
 """
 
 import math
@@ -16,10 +16,10 @@ _WAY_AHEAD = math.pi / 2  # out of the start bays, across the aisle, into the go
 
 
 class Yard(NamedTuple):
-    """A row of start bays and, across an aisle, a row of goal bays, dealt out at random.
+    """A row of start bays and, across an aisle, a row of goal bays in random order.
 
-    HAVs drive forward only, so bays are driven through: each further goal is a bay in one more row
-    behind one more aisle, dealt out anew.
+    HAVs drive forward only, so they drive through bays. Each further goal is a bay in one more row
+    behind one more aisle, in a new random order.
     """
 
     num_havs: Havs = 4
@@ -29,11 +29,11 @@ class Yard(NamedTuple):
     fleet: Fleets = RandomFleet()
     """Trucks and trailers."""
     aisle: Gap = 100.0
-    """Distance of the rows [m], from rear axles to rear axles. A HAV that moves to a bay far to
-    the side turns a quarter circle, drives along the aisle and turns a quarter circle back, which
-    takes 2 R_min of its width; a shorter way to the side takes less. R_min, eq. (rmin), is below
-    39.8 m in the default fleet (a truck and ten trailers of 12 m) and usually about 15 m, so 100 m
-    leave room for everybody and nobody needs a loop."""
+    """Distance of the rows [m], from rear axles to rear axles. A HAV that moves to a bay far to the
+    side turns a quarter circle, drives along the aisle and turns a quarter circle back. This takes
+    2 R_min of the aisle's width; a bay nearer to the side takes less. R_min, equation (17) of the
+    paper, is below 39.8 m in the default fleet (a truck and ten trailers of 12 m) and usually about
+    15 m. So 100 m suffice for all HAVs, and none needs a loop."""
     gap: Gap = 10.0
     """Gap [m] between the footprints of HAVs in neighbouring bays."""
 
@@ -49,7 +49,7 @@ class Yard(NamedTuple):
 
 
 def populate_yard(scenario, world, lane):
-    """Draw the fleet of one lane and deal out its bays; there is always room.
+    """Draw the fleet of one lane and assign its bays; the space always suffices.
 
     A bay is as wide as the footprint of its HAV, 2 d_i, and the gap; so all rows have one width.
     """
@@ -73,7 +73,7 @@ def _half_bay(scenario, fleet, agent, lane):
 
 @kernel
 def _left_edge(scenario, fleet, lane):
-    """Return where [m] rows begin that have their middle at 0."""
+    """Return the beginnings [m] of rows with their middle at 0."""
     width = 0.0
     for agent in range(scenario.num_havs):
         width += 2.0 * _half_bay(scenario, fleet, agent, lane)
@@ -82,9 +82,9 @@ def _left_edge(scenario, fleet, lane):
 
 @kernel
 def _deal_bays(scenario, goals, phase, lane, key, draw):
-    """Write into the headings of bay 0, 1, ... whose they are (Fisher and Yates' shuffle).
+    """Write the HAV of bay 0, 1, ... into its heading (Fisher and Yates' shuffle).
 
-    The headings come later: a kernel allocates nothing. Returns the next draw.
+    The true headings come later, because a kernel allocates nothing. Returns the next draw.
     """
     for bay in range(scenario.num_havs):
         other = int((bay + 1) * uniform(*key, draw + bay))

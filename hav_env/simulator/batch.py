@@ -13,23 +13,25 @@ from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.models.quantities import Threads, Worlds
 from hav_env.scenarios import PlacementError, check_scenario, segments_of
 from hav_env.simulator.beginning import begin
+from hav_env.simulator.guiding import GUIDANCES, Guidance, check_guidance, guide
 from hav_env.simulator.transition import ended, remove_arrived, step
 from hav_env.simulator.trial import try_scenario, try_vehicle
 from hav_env.vehicles import OnAxle, bodies_of, check_vehicle, is_instant, needs_hitches
 from hav_env.world.arrays import EPISODE, SEED, World, allocate_worlds, world_size
 from hav_env.world.lanes import LANES, block_of, view_of
+from hav_env.world.place.guidance import Dubins, of_each_world
 from hav_env.world.task import Task, check_at_once, check_task
 from hav_env.world.units.parts import Lines
 
-_MOST_SHOWN = 600  # characters of a scenario without room
-_FEWEST = 4_096  # HAVs whose step takes longer than to wake a thread
+_MOST_SHOWN = 600  # longest text of a scenario in an error message [characters]
+_FEWEST = 4_096  # HAVs whose step takes longer than waking a thread
 
 
 @entry
 def begin_worlds(first, last, scenario, task, worlds, placed):
     """Start the episodes whose keys the clock of a range of worlds holds, block by block.
 
-    ``placed`` becomes true where the scenario found room.
+    ``placed`` becomes true where the scenario placed the HAVs.
     """
     for start in range(first, last, LANES):
         block = block_of(worlds, start, min(LANES, last - start), worlds.units)
@@ -49,11 +51,12 @@ class Batch:
     """W worlds of one scenario, stepped together; a single environment is a batch of one.
 
     Attributes:
-        worlds: the arrays, see ``hav_env.world.arrays``; the world is their last axis.
-        scenario: fleets, start poses and goal poses of the worlds.
-        task: rules of the episodes.
-        vehicle: kinematics of the HAVs.
-        bytes_per_world: how much memory each takes.
+        worlds: Arrays of the worlds, see ``hav_env.world.arrays``; the world is their last axis.
+        scenario: Fleets, start poses and goal poses of the worlds.
+        task: Rules of the episodes.
+        vehicle: Vehicle model (kinematics).
+        guidance: Guidance (routes to the goals).
+        bytes_per_world: Memory that each world takes.
     """
 
     def __init__(
@@ -63,20 +66,23 @@ class Batch:
         task: Task = Task(),  # a NamedTuple is immutable
         vehicle: Vehicle = OnAxle(),
         threads: int | None = None,
+        guidance: Guidance | str = Dubins(),
     ) -> None:
         """Allocate the worlds; they are empty until ``reset``.
 
         Args:
-            scenario: fleets, start poses and goal poses of the worlds.
-            num_worlds: number W of worlds.
-            task: rules of the episodes.
-            vehicle: kinematics of the HAVs.
-            threads: how many step the worlds; by default ``HAV_THREADS`` or all cores.
+            scenario: Fleets, start poses and goal poses of the worlds.
+            num_worlds: Number of worlds W.
+            task: Rules of the episodes.
+            vehicle: Vehicle model (kinematics).
+            threads: Number of threads; by default ``HAV_THREADS`` or all cores.
+            guidance: Guidance (routes to the goals): a model or its name.
 
         Raises:
-            ValueError: naming the argument, its value and what is allowed; when the machine has
-                less memory than the worlds need.
-            TypeError: when an argument is of another kind, or the scenario's type not registered.
+            ValueError: If an argument is invalid, or the worlds need more memory than the machine
+                has.
+            TypeError: If an argument has another type, or the type of the scenario is not
+                registered.
         """
         check_value("num_worlds", Worlds, num_worlds)
         check_value("threads", Threads | None, threads)
@@ -90,21 +96,27 @@ class Batch:
         self.num_worlds = int(num_worlds)
         self.threads = threads
         self._begun = False
-        self.bytes_per_world = world_size(*_shape(self.scenario, self.task, self.vehicle))
+        self.guidance = GUIDANCES.make(guidance)
+        check_guidance(self.guidance, self.scenario, self.vehicle)
+        part = guide(self.guidance, self.scenario, self.vehicle, self.task)
+        self.bytes_per_world = world_size(
+            *_shape(self.scenario, self.task, self.vehicle, of_each_world(part))
+        )
         check_memory("num_havs", self.scenario.num_havs, self.bytes_per_world)
         check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
-        self.worlds: World = worlds_for(self.scenario, self.task, self.vehicle, self.num_worlds)
+        self.worlds: World = worlds_for(self, self.num_worlds, part)
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
         """Begin an episode in every world.
 
         Args:
-            seed: from 0 to 2**32 - 1. An episode is determined by scenario, seed and number.
+            seed: Seed from 0 to 2**32 - 1. An episode is determined by scenario, seed and number.
             episodes: (W,) numbers of the episodes; by default 0 .. W - 1.
 
         Raises:
-            ValueError: when the seed or an episode is out of range, or not one for each world.
-            PlacementError: when a world has no room for its HAVs; the batch is then empty again.
+            ValueError: If the seed or an episode is out of range, or there is not one episode for
+                each world.
+            PlacementError: If a world has no space for its HAVs; the batch is then empty again.
         """
         self._begun = False
         check_seed(seed)
@@ -123,15 +135,15 @@ class Batch:
         self._begun = True
 
     def step(self, speed: np.ndarray, steering: np.ndarray) -> None:
-        """Advance every world by one step; worlds that have ended go on as well.
+        """Advance every world by one step; worlds that have ended continue too.
 
         Args:
-            speed: (N, W) speeds of the trucks [m/s], cut to the limits of each HAV.
-            steering: (N, W) steering angles [rad], left positive, cut likewise.
+            speed: (N, W) speeds of the trucks [m/s], clipped to the limits of each HAV.
+            steering: (N, W) steering angles [rad], left positive, clipped likewise.
 
         Raises:
-            ValueError: when a shape is wrong, a number is not finite, or HAVs decide in turn.
-            RuntimeError: before the first ``reset``.
+            ValueError: If a shape is wrong, a number is not finite, or HAVs decide in turn.
+            RuntimeError: If ``reset`` has not been called.
         """
         if not self._begun:
             raise RuntimeError("call reset before step: the worlds are empty")
@@ -151,7 +163,7 @@ class Batch:
 
     @property
     def num_threads(self) -> int:
-        """Number of threads that are worth their while."""
+        """Return the number of threads that pay for this batch."""
         most = max(1, self.worlds.state.x.size // _FEWEST)
         return min(self.threads or default_threads(), most)
 
@@ -161,35 +173,41 @@ class Batch:
 
     @property
     def ended(self) -> np.ndarray:
-        """(W,) bool: the episode is over: all last goals hit, an event that ends it, or time."""
+        """Return whether episodes are over, (W,) bool: last goals hit, an ending event, or time."""
         return ended(self.task, self.worlds, slice(None))
 
 
-def worlds_for(scenario: Any, task: Task, vehicle: Any, num_worlds: int) -> World:
-    """Return the arrays of worlds in which episodes of a scenario may begin."""
-    return allocate_worlds(num_worlds, *_shape(scenario, task, vehicle))
+def worlds_for(batch: Batch, num_worlds: int, guidance: Any = None) -> World:
+    """Return new arrays of worlds in which episodes of a batch may begin.
+
+    Args:
+        batch: Batch whose models the worlds have.
+        num_worlds: Number of worlds.
+        guidance: Guidance of the worlds, by default the batch's.
+    """
+    part = batch.worlds.guidance if guidance is None else guidance
+    return allocate_worlds(num_worlds, *_shape(batch.scenario, batch.task, batch.vehicle, part))
 
 
-def _shape(scenario: Any, task: Task, vehicle: Any) -> tuple:
+def _shape(scenario: Any, task: Task, vehicle: Any, guidance: Any) -> tuple:
     units = scenario.max_trailers + 1
     parts = not is_instant(vehicle), needs_hitches(vehicle), bodies_of(vehicle)
     shape = scenario.num_havs, units, scenario.num_goals, task.continuous_collisions
-    return *shape, *parts, segments_of(scenario)
+    return *shape, *parts, segments_of(scenario), guidance
 
 
 def check_parts(scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
-    """Check that a vehicle has what a fleet and the rules of an episode need.
+    """Check that a vehicle supports the fleet and the rules of an episode.
 
     Raises:
-        ValueError: where trailers are hitched off the axles and the vehicle does not know hitches,
-            or where collisions between steps are asked for that are not looked for, or among
-            obstacles.
+        ValueError: If the vehicle does not support the hitches of the fleet, or the fleet or the
+            place does not support collisions between steps.
     """
     hitched = needs_hitches(vehicle)
     if not hitched and np.any(getattr(scenario.fleet, "offset", 0.0)):
         raise ValueError(
-            f"vehicle is {show(vehicle)}, but must know hitches where the fleet hitches trailers"
-            " off the axles: OffAxle(...), or its names 'off_axle' and 'realistic'"
+            f"vehicle is {type(vehicle).__name__}, but must support hitches off the axles, which"
+            " this scenario has: add --vehicle realistic, in Python vehicle='realistic'"
         )
     known = not hitched and isinstance(bodies_of(vehicle), Lines)
     if task.continuous_collisions and not known:
@@ -213,15 +231,15 @@ def read_episodes(episodes: Any) -> np.ndarray:
     """Return the numbers of episodes as int64.
 
     Raises:
-        ValueError: when one is out of range; TypeError: when they are no whole numbers.
+        ValueError: If one is out of range; TypeError: if they are not whole numbers.
     """
     try:
         array = np.asarray(episodes)
     except ValueError:  # lists of unequal lengths
         array = np.array(None)
     if array.dtype.kind not in "iu" and array.size > 0:
-        told = f"must be whole numbers from 0 to {SEED_LIMIT - 1}"
-        raise TypeError(f"episodes is {show(episodes)}, but {told}")
+        rule = f"must be whole numbers from 0 to {SEED_LIMIT - 1}"
+        raise TypeError(f"episodes is {show(episodes)}, but {rule}")
     if array.size > 0 and (array.min() < 0 or array.max() >= SEED_LIMIT):
         worst = array[(array < 0) | (array >= SEED_LIMIT)].flat[0]
         raise ValueError(f"episodes holds {worst}, but must be from 0 to {SEED_LIMIT - 1}")
@@ -229,11 +247,12 @@ def read_episodes(episodes: Any) -> np.ndarray:
 
 
 def check_placed(placed: np.ndarray, scenario: Scenario) -> None:
-    """Raise PlacementError when a world had no room for its HAVs."""
+    """Raise PlacementError if the scenario could not place the HAVs of a world."""
     missing = placed.size - np.count_nonzero(placed)
     if missing > 0:
-        told = " ".join(repr(scenario).split())[:_MOST_SHOWN]
+        text = " ".join(repr(scenario).split())[:_MOST_SHOWN]
+        clear = "potential collisions" if segments_of(scenario) == 0 else "collisions"
         raise PlacementError(
-            f"{missing} of {placed.size} worlds have no room for"
-            f" {scenario.num_havs} HAVs without potential collisions: {told}"
+            f"{missing} of {placed.size} worlds have no space for"
+            f" {scenario.num_havs} HAVs without {clear}: {text}"
         )

@@ -12,6 +12,7 @@ from hav_env.world.events import record_collisions
 from hav_env.world.goals import assign_goal
 from hav_env.world.neighborhood import find_nearby
 from hav_env.world.obstacles.collisions import begin_among_obstacles
+from hav_env.world.place.guidance import Dubins, OnFeasible, OnLattices, OnRoads, OnWitnesses
 from hav_env.world.place.segments import OVERFULL, Obstacles, Plane, clear_place, num_segments
 from hav_env.world.units.parts import Hitches, Lines, OnAxles, Outlines
 
@@ -21,10 +22,10 @@ def begin(scenario, task, world, placed):
     """Start an episode in every lane of a block of worlds.
 
     Args:
-        scenario: who starts where.
-        task: the rules.
-        world: the block; its clock holds the seeds and the numbers of the episodes.
-        placed: (W,) bool, to be written: whether the scenario found room for the HAVs.
+        scenario: Model of fleets, start poses and goal poses.
+        task: Rules of the episode.
+        world: Block of worlds; its clock holds the seeds and the numbers of the episodes.
+        placed: (W,) bool, to write: whether the scenario placed the HAVs.
     """
     state = world.state
     for lane in range(world.lanes):
@@ -52,7 +53,7 @@ def begin(scenario, task, world, placed):
 
 @kernel
 def _clear_record(world):
-    """Forget what happened in the episodes before."""
+    """Clear the records of earlier episodes."""
     record = world.record
     for index in np.ndindex(record.first.shape[:-1]):
         for lane in range(world.lanes):
@@ -71,7 +72,7 @@ def _clear_record(world):
 
 @kernel
 def _clear_misses(miss, agent, phase, kind, lane):
-    """Forget the close misses of one kind, if there were any: their numbers are many."""
+    """Clear the close misses of one kind, if there were any: they have many entries."""
     if not math.isnan(miss[agent, phase, kind, MISS_DISTANCE, lane]):
         for column in range(miss.shape[3]):
             miss[agent, phase, kind, column, lane] = 0.0 if column == MISS_COUNT else math.nan
@@ -79,15 +80,16 @@ def _clear_misses(miss, agent, phase, kind, lane):
 
 @rare_kernel
 def put_worlds(block, worlds, places):
-    """Put worlds whose episodes have just begun into their places.
+    """Copy worlds whose episodes have just begun to their places.
 
-    One array after the other, row by row: the rows of many worlds lie far from each other, and
-    what is copied from one row to neighbouring places is found in one line of the cache.
+    It copies one array after another, row by row. The rows of many worlds are far apart, and the
+    entries that one row gives to neighbouring places share a cache line.
 
     Args:
-        block: where they have begun; scratch stays there, and lists of candidates.
-        worlds: a batch of the same shapes.
-        places: (W,) in which of the worlds each lane belongs.
+        block: Worlds in which the episodes have begun; scratch and lists of candidates are not
+            copied.
+        worlds: Batch of the same shapes.
+        places: (W,) index of the world for each lane.
     """
     lanes = block.lanes
     copy_rows(block.state.x, worlds.state.x, places, lanes)
@@ -107,6 +109,7 @@ def put_worlds(block, worlds, places):
     copy_parts(block.fleet.joints, worlds.fleet.joints, places, lanes)
     copy_parts(block.fleet.bodies, worlds.fleet.bodies, places, lanes)
     copy_parts(block.place, worlds.place, places, lanes)
+    copy_parts(block.guidance, worlds.guidance, places, lanes)
     for lane in range(lanes):
         _put_dues(block.place, block.first + lane, worlds.place, worlds.first + places[lane])
     copy_rows(block.goals, worlds.goals, places, lanes)
@@ -124,7 +127,7 @@ def put_worlds(block, worlds, places):
 
 @kernel
 def _put_neighbors(block, worlds, places):
-    """Copy the neighbours of worlds, as far as there are any."""
+    """Copy the neighbours of worlds, as many as there are."""
     for lane in range(block.lanes):
         own = block.nearby.index[block.first + lane]
         theirs = worlds.nearby.index[worlds.first + places[lane]]
@@ -149,6 +152,7 @@ def copy_parts(part, worlds, places, lanes):
 @copy_parts.register(OnAxles)
 @copy_parts.register(Lines)
 @copy_parts.register(Plane)
+@copy_parts.register(Dubins)
 def _copy_nothing(part, worlds, places, lanes):
     pass
 
@@ -172,9 +176,32 @@ def _copy_obstacles(part, worlds, places, lanes):
     copy_rows(part.driven, worlds.driven, places, lanes)
 
 
+@copy_parts.register(OnLattices)
+def _copy_on_lattices(part, worlds, places, lanes):
+    copy_rows(part.table, worlds.table, places, lanes)
+    copy_rows(part.route, worlds.route, places, lanes)
+
+
+@copy_parts.register(OnRoads)
+def _copy_on_roads(part, worlds, places, lanes):
+    copy_rows(part.under_way, worlds.under_way, places, lanes)
+    copy_rows(part.route, worlds.route, places, lanes)
+
+
+@copy_parts.register(OnWitnesses)
+def _copy_on_witnesses(part, worlds, places, lanes):
+    copy_rows(part.route, worlds.route, places, lanes)
+
+
+@copy_parts.register(OnFeasible)
+def _copy_on_feasible(part, worlds, places, lanes):
+    copy_rows(part.route, worlds.route, places, lanes)
+    copy_rows(part.plan, worlds.plan, places, lanes)
+
+
 @generic
 def _put_dues(place, w, places, to):
-    """Copy how far HAVs have to be driven for segments to be due, of one world by number."""
+    """Copy the distances at which segments are due, of one world by index."""
 
 
 @_put_dues.register(Plane)

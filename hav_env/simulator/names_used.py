@@ -1,6 +1,6 @@
-"""This module checks the names in a kernel of the user's before it runs: undefined, or misspelt.
+"""This module checks the names in a user's kernel before it runs: undefined or misspelt names.
 
-It reads the bytecode, so it sees branches that a trial run does not take.
+It reads the bytecode, so it also covers branches that a trial run does not take.
 """
 
 import builtins
@@ -16,11 +16,11 @@ def undefined_name(function: Any, package: str) -> tuple[str, str, int] | None:
     """Return the first undefined name in a function or in the kernels that it calls.
 
     Args:
-        function: a kernel.
-        package: outermost package whose kernels are followed.
+        function: Kernel to check.
+        package: Outermost package whose kernels are followed.
 
     Returns:
-        A sentence that names it, the file and the line; None when all names are defined.
+        A message that names it, the file and the line; None if all names are defined.
     """
     seen: set[Any] = set()
     left = [function]
@@ -39,9 +39,9 @@ def undefined_name(function: Any, package: str) -> tuple[str, str, int] | None:
 
 
 def _uses(function: types.FunctionType) -> Iterator[tuple[Any, str, int]]:
-    """Give each global name, and each attribute of a module, that a function uses.
+    """Yield each global name, and each attribute of a module, that a function uses.
 
-    Each is a tuple: value, sentence that says what is wrong or "", line.
+    Each item is a tuple: value, error message or "", line.
     """
     names = vars(builtins) | function.__globals__
     for code in codes_in(function.__code__):
@@ -57,8 +57,8 @@ def _uses(function: types.FunctionType) -> Iterator[tuple[Any, str, int]]:
                 yield value, "", line
             elif step.opname in ("LOAD_ATTR", "LOAD_METHOD") and module is not None:
                 if not hasattr(module, step.argval):
-                    told = f"module {module.__name__!r} has no attribute {step.argval!r}"
-                    yield None, told, line
+                    message = f"module {module.__name__!r} has no attribute {step.argval!r}"
+                    yield None, message, line
                 value = getattr(module, step.argval, None)
                 yield value, "", line
             module = value if isinstance(value, types.ModuleType) else None

@@ -1,6 +1,6 @@
 """This module steps a block of worlds, and ends their episodes.
 
-It is the whole transition of the decision process: motion, events, goals, time.
+It has the whole transition of the decision process: motion, events, goals, time.
 """
 
 from hav_env.compiled import fixed, kernel, rare_kernel
@@ -26,9 +26,10 @@ from hav_env.world.obstacles.collisions import (
     note_posture,
     record_obstacle_collisions,
 )
+from hav_env.world.place.guidance import follow_route
 from hav_env.world.task import ALONE, END, REMOVE
 
-# x of the first removed HAV and the distance from one to the next [m]
+# x of the first removed HAV, and the distance between removed HAVs [m]
 _REMOVED_X, _REMOVED_SPACING = 1e13, 1e8
 
 
@@ -37,16 +38,15 @@ def step(task, vehicle, world, speed, steering):
     """Advance a block of worlds by one step.
 
     Args:
-        task: the rules.
-        vehicle: the kinematics.
-        world: the block.
-        speed: (N, W) [m/s], cut to the limit of each HAV. A HAV that waits at its goal stands, or
-            brakes, whatever its speed.
-        steering: (N, W) [rad], cut as well.
+        task: Rules of the episode.
+        vehicle: Vehicle model (kinematics).
+        world: Block of worlds.
+        speed: (N, W) [m/s], clipped to the limit of each HAV. A HAV that waits at its goal stands
+            or brakes, whatever its commanded speed.
+        steering: (N, W) [rad], clipped as well.
 
     Returns:
-        A number above 0 when worlds may have ended: time is up, a goal was hit, something
-        happened.
+        A number above 0 if worlds may have ended: time is up, a goal was hit, or an event happened.
     """
     hits, events = 0, 0
     late_worlds = count_step(task, world)
@@ -58,11 +58,11 @@ def step(task, vehicle, world, speed, steering):
 
 @kernel
 def move_hav(task, vehicle, world, agent, speed, steering):
-    """Move one HAV of a block of worlds as it was commanded, and record what comes of it.
+    """Move one HAV of a block of worlds by its command, and record the results.
 
     Returns:
-        In how many lanes it may have jackknifed or collided with an obstacle, and in how many it
-        hit its goal.
+        Number of lanes in which it may have jackknifed or collided with an obstacle, and number of
+        lanes in which it hit its goal.
     """
     actuators = actuators_of(vehicle)
     actuate(actuators, task.dt, world, agent, speed, steering)
@@ -73,15 +73,16 @@ def move_hav(task, vehicle, world, agent, speed, steering):
     add_motion(moving.place, moving, agent)
     if task.record_every == 1:
         events = _look_for_events(task, moving, agent)
-    else:  # what happened to a HAV since may have made it wait
+    else:  # an event may have made the HAV wait
         events = _look_for_events(task, world, agent)
     hits = record_approach(task, moving, agent)
+    follow_route(moving.guidance, moving, agent)
     return events, hits
 
 
 @kernel
 def _look_for_events(task, world, agent):
-    """Look for jackknifes and collisions with obstacles of a HAV; return how many there may be."""
+    """Look for jackknifes and obstacle collisions of a HAV; return how many there may be."""
     events = record_jackknifes(task, world, agent)
     return events + record_obstacle_collisions(world.place, task, world, agent)
 
@@ -91,13 +92,13 @@ def finish_step(task, world, events, hits):
     """Look for collisions and assign goals, once all HAVs have moved.
 
     Args:
-        task: the rules.
-        world: the block.
-        events: how many events there may be, as the HAVs' moves told.
-        hits: how many goals were hit.
+        task: Rules of the episode.
+        world: Block of worlds.
+        events: Number of events that the moves of the HAVs may have caused.
+        hits: Number of goals hit.
 
     Returns:
-        How many events there may be in all.
+        Number of events that there may be in all.
     """
     num_havs = world.state.x.shape[0]
     if num_havs > 1:
@@ -113,7 +114,7 @@ def finish_step(task, world, events, hits):
 
 @kernel
 def count_step(task, world):
-    """Count the step; return in how many worlds time is up."""
+    """Count the step; return the number of worlds whose time is up."""
     clock, late_worlds = world.state.clock, 0
     for lane in range(world.lanes):
         clock[STEP, lane] += 1
@@ -123,7 +124,7 @@ def count_step(task, world):
 
 @rare_kernel
 def _assign_next_goals(task, world):
-    """Give HAVs that wait their next goal: all at a time, once all wait, or each by itself."""
+    """Give waiting HAVs their next goal: all together, once all wait, or each by itself."""
     for lane in range(world.lanes):
         if task.next_goal == ALONE or all_wait(world, lane):
             for agent in range(world.state.x.shape[0]):
@@ -134,9 +135,9 @@ def _assign_next_goals(task, world):
 
 @kernel
 def remove_arrived(task, world):
-    """Let HAVs that have hit their last goals leave, if that is the rule; each to its own place.
+    """Remove HAVs that have hit their last goals, if that is the rule, each to its own place.
 
-    The caller that takes an action calls this first, so that users see its outcome before.
+    The caller that takes an action calls this first, so users see the outcome at the goal before.
     """
     if task.on_goal == REMOVE:
         _remove_arrived(task, world)
@@ -144,16 +145,16 @@ def remove_arrived(task, world):
 
 @rare_kernel
 def _remove_arrived(task, world):
-    """Put who leaves where nobody can come: it touches nobody, and nobody senses it.
+    """Put each removed HAV at a place where no HAV can touch or sense it.
 
-    A HAV that drives straight on from the farthest start for the longest episode comes 1e12 m far;
-    places are farther from each other than the longest range and two reaches.
+    A HAV that drives straight on from the farthest start for the longest episode moves 1e12 m. The
+    distance between places exceeds the longest range and two reaches.
     """
     for lane in range(world.lanes):
         for agent in range(world.state.x.shape[0]):
             if arrived(world, agent, lane) and not is_removed(world, agent, lane):
                 world.record.total[agent, REMOVED, lane] = 1.0
-                world.state.speed[agent, lane] = 0.0  # it may have rolled
+                world.state.speed[agent, lane] = 0.0  # the HAV may have rolled
                 world.state.x[agent, lane] = _REMOVED_X + _REMOVED_SPACING * agent
                 if task.continuous_collisions:
                     note_axles(block_of(world, lane, 1, world.units), agent)
@@ -161,14 +162,14 @@ def _remove_arrived(task, world):
 
 @kernel
 def arrived(world, agent, lane):
-    """Tell whether a HAV has hit its last goal."""
+    """Return whether a HAV has hit its last goal."""
     last = world.state.goal[agent, PHASE, lane] == world.goals.shape[1] - 1
     return last & world.state.waiting[agent, lane]
 
 
 @kernel
 def all_wait(world, lane):
-    """Tell whether all HAVs of a world wait at their goals under way."""
+    """Return whether all HAVs of a world wait at their goals under way."""
     for agent in range(world.state.x.shape[0]):
         if not world.state.waiting[agent, lane]:
             return False
@@ -177,11 +178,11 @@ def all_wait(world, lane):
 
 @kernel
 def terminated(task, world, agents, lane):
-    """Tell whether an episode is over for the first ``agents`` HAVs of a world.
+    """Return whether an episode is over for the first ``agents`` HAVs of a world.
 
-    It is when all of them have hit their last goals, or one of them had an accident that ends it.
-    HAVs that touch where the scenario put them (in the paper's pairs, one world of a thousand) had
-    none.
+    It is over if all of them have hit their last goals, or one of them had an accident that ends
+    it. HAVs that touch at their start poses (in one of a thousand worlds of the paper's pairs) had
+    no accident.
     """
     first, finished, broken = world.record.first, True, False
     for agent in range(agents):
@@ -197,14 +198,14 @@ def terminated(task, world, agents, lane):
 
 @kernel
 def late(task, world, lane):
-    """Tell whether time is up."""
+    """Return whether time is up."""
     return world.state.clock[STEP, lane] >= task.max_steps
 
 
 @kernel
 def ended(task, world, lane):
-    """Tell whether an episode is over: terminated, or time is up.
+    """Return whether an episode is over: terminated, or time is up.
 
-    In Python it also tells of many worlds at once, given a slice of lanes.
+    In Python it also accepts a slice of lanes.
     """
     return late(task, world, lane) | terminated(task, world, world.state.x.shape[0], lane)

@@ -1,7 +1,7 @@
 """This module tries a user's code once as plain Python, before Numba compiles it.
 
 A misspelt name or a wrong result is then one line that names the user's file and line. Numba would
-take seconds, and say it in a page. The module tries each class once, and none of the project's.
+take seconds and print a page. The module tries each user class once, and no class of the project.
 """
 
 import traceback
@@ -20,35 +20,35 @@ from hav_env.world.task import Task
 
 LANES_TRIED, HAVS_TRIED = 2, 3
 _OURS = {"hav_env", "baselines", "train"}
-_EVERYBODY = 1e5  # [m] in this range all HAVs sense each other
+_EVERYBODY = 1e5  # [m], sensing range in which all HAVs sense each other
 _tried: set[Any] = set()
 
 
 def attempt(kind: str, model: Any, kernel: Callable, call: Callable[[], str]) -> None:
-    """Call a kernel of the user's as plain Python, unless it has been tried.
+    """Call a user's kernel as plain Python, unless it has been tried.
 
     Args:
-        kind: of model, for the message.
-        model: whose class selects the kernel.
-        kernel: registered with that class.
-        call: calls the kernel, and returns a rule that its result broke, or "".
+        kind: Kind of model, for the message.
+        model: Model whose class selects the kernel.
+        kernel: Kernel registered for that class.
+        call: Function that calls the kernel, and returns the rule that its result broke, or "".
 
     Raises:
-        ValueError: when the kernel raises or its result is wrong, naming file and line.
+        ValueError: If the kernel raises or its result is wrong; the message names file and line.
     """
     if kernel.__module__.partition(".")[0] in _OURS or kernel in _tried:
         return
-    told = f"{kind} {type(model).__name__}: {kernel.__name__}"
+    message = f"{kind} {type(model).__name__}: {kernel.__name__}"
     undefined = undefined_name(kernel, kernel.__module__.partition(".")[0])
     if undefined is not None:
-        raise ValueError(f"{told}: {undefined[0]} ({undefined[1]}, line {undefined[2]})")
+        raise ValueError(f"{message}: {undefined[0]} ({undefined[1]}, line {undefined[2]})")
     _tried.add(kernel)
     code = kernel.__code__
     line: int | None = code.co_firstlineno
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):
             broken = call()
-    except ZeroDivisionError:  # compiled code goes on with infinity
+    except ZeroDivisionError:  # compiled code continues with infinity
         return
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
@@ -57,7 +57,7 @@ def attempt(kind: str, model: Any, kernel: Callable, call: Callable[[], str]) ->
         broken = f"raises {type(error).__name__}: {error}"
     if broken:
         _tried.discard(kernel)
-        raise ValueError(f"{told} {broken} ({code.co_filename}, line {line})")
+        raise ValueError(f"{message} {broken} ({code.co_filename}, line {line})")
 
 
 def try_scenario(scenario: Any) -> None:
@@ -72,7 +72,7 @@ def try_scenario(scenario: Any) -> None:
         worlds = allocate_worlds(1, *shape, num_segments=segments_of(few))
         placed = populate(few, worlds, 0)
         if not isinstance(placed, bool | np.bool_):
-            return f"returns {placed!r}, but must return whether there was room: True or False"
+            return f"returns {placed!r}, but must return whether it placed the HAVs: True or False"
         return ""
 
     attempt("scenario", scenario, kernel, call)
@@ -94,7 +94,7 @@ def try_vehicle(vehicle: Any) -> None:
 def sample_worlds(
     num_havs: int = HAVS_TRIED, num_goals: int = 2, max_trailers: int = 3, vehicle: Any = OnAxle()
 ) -> World:
-    """Return ``LANES_TRIED`` worlds of random HAVs that drive straight on, at their beginning."""
+    """Return ``LANES_TRIED`` worlds of random HAVs at the beginning, driving straight on."""
     fleet = RandomFleet(max_trailers=max_trailers)
     scenario = RandomPoses(num_havs=num_havs, num_goals=num_goals, fleet=fleet)
     parts = {"hitched": needs_hitches(vehicle), "bodies": bodies_of(vehicle)}

@@ -1,4 +1,4 @@
-"""This package has the kinematics of trucks and trailers, and a catalogue of real vehicles."""
+"""This package defines the kinematics of trucks and trailers, and a catalogue of real vehicles."""
 
 import functools
 from typing import Any
@@ -27,19 +27,18 @@ from hav_env.world.arrays import World
 def move(vehicle: Any, dt: float, world: World, agent: int) -> None:
     """Move one HAV in every lane of a block of worlds, for ``dt`` [s].
 
-    Reads the truck's speed ``state.speed[agent]`` [m/s] and ``state.steering[agent]`` [rad], which
-    are within the HAV's limits: what its actuators made of its command. Writes the pose, and the
-    headings with their cosines and sines. Units beyond a HAV's last have infinite length: they do
-    not turn.
+    Reads the truck's speed ``state.speed[agent]`` [m/s] and ``state.steering[agent]`` [rad]. The
+    actuators set both, within the HAV's limits. Writes the pose, and the headings with their
+    cosines and sines. Units beyond a HAV's last have infinite length, so they do not turn.
     """
 
 
 def check_vehicle(vehicle: Any) -> None:
-    """Check a vehicle model before it is used.
+    """Check a vehicle model before its use.
 
     Raises:
-        ValueError: naming the field, its value and what is allowed.
-        TypeError: when this is no vehicle, or a field has a value of another kind.
+        ValueError: if a field is outside its range; the message names its value and the rule.
+        TypeError: if this is no vehicle, or a field has a value of another kind.
     """
     check_model("vehicle", vehicle, move)
     check_actuators(vehicle)
@@ -48,12 +47,12 @@ def check_vehicle(vehicle: Any) -> None:
 
 @functools.singledispatch
 def needs_hitches(vehicle: Any) -> bool:
-    """Tell whether a vehicle's trailers may be hitched off the axles ahead of them."""
+    """Return whether a vehicle's trailers may have off-axle hitches."""
     return False
 
 
 def bodies_of(vehicle: Any) -> Any:
-    """Return the bodies of a vehicle: lines, unless it has others."""
+    """Return the bodies of a vehicle, lines by default."""
     return getattr(vehicle, "bodies", Lines())
 
 
@@ -72,6 +71,7 @@ VEHICLES = Registry(
         "on_axle": OnAxle,
         "limited": OnAxle(actuators=Limited()),
         "off_axle": OffAxle,
+        "rectangular": OffAxle(bodies=Rectangles()),
         "realistic": OffAxle(bodies=Rectangles(), actuators=Limited()),
     },
 )

@@ -1,7 +1,7 @@
-"""This module has the actuators of trucks: how speed and steering follow what was commanded.
+"""This module defines the actuators of trucks: how speed and steering follow commands.
 
-With ``Instant`` both jump, as in the paper. With ``Limited`` a truck accelerates, brakes and turns
-its wheels at limited rates.
+With ``Instant`` both jump to the command, as in the paper. With ``Limited`` a truck accelerates,
+brakes and turns its wheels at limited rates.
 """
 
 import math
@@ -22,19 +22,19 @@ _ABOVE_PI_SQUARED = 1.01 * _PI_SQUARED
 
 
 class Instant(NamedTuple):
-    """Speed and steering are at once what was commanded, as in the paper."""
+    """Speed and steering equal the command at once, as in the paper."""
 
 
 class Limited(NamedTuple):
     """Speed and steering follow commands at limited rates; trucks slow down in curves.
 
-    In each step the steering changes first. The speed that is aimed at is then cut to what the
-    lateral acceleration v^2 tan(phi) / l_0 allows. A truck that cannot brake as quickly as its
-    wheels turn is beyond the lateral limit until it has slowed down.
+    In each step the steering changes first. Then the limit of the lateral acceleration v^2 tan(phi)
+    / l_0 clips the target speed. A truck that cannot brake as quickly as its wheels turn exceeds
+    the lateral limit until it has slowed down.
 
     A HAV that hits its goal waits from then on: it brakes, with the wheels as they are, and may
-    come to rest beyond the goal's tolerance. ``Task.goal_speed`` asks for slow arrivals. Defaults
-    are those of a loaded truck; 1e9 is no limit.
+    come to rest beyond the goal's tolerance. ``Task.goal_speed`` requires slow arrivals. Defaults
+    are those of a loaded truck; 1e9 means no limit.
     """
 
     acceleration: Acceleration = 1.0
@@ -51,10 +51,10 @@ class Limited(NamedTuple):
 
 @generic
 def actuate(actuators: Any, dt: float, world: World, agent: int, speed: Any, steering: Any) -> None:
-    """Turn what was commanded into speed and steering of one HAV, in every lane of a block.
+    """Compute speed and steering of one HAV from its commands, in every lane of a block.
 
-    Writes ``state.speed[agent]`` and ``state.steering[agent]``, which hold what they were in the
-    step before and stay within the HAV's limits. Commands for a HAV that waits are void: its speed
+    Reads and writes ``state.speed[agent]`` and ``state.steering[agent]``, which hold the values of
+    the previous step and stay within the HAV's limits. A HAV that waits ignores commands: its speed
     goes to zero and stays there.
 
     Args:
@@ -69,7 +69,7 @@ def actuate(actuators: Any, dt: float, world: World, agent: int, speed: Any, ste
 
 @actuate.register(Instant)
 def follow_at_once(actuators, dt, world, agent, speed, steering):
-    """Cut speed and steering to the limits of a HAV; one that waits stands."""
+    """Clip speed and steering to the limits of a HAV; a HAV that waits stands."""
     state, limit = world.state, world.fleet.limit
     for lane in range(world.lanes):
         v = clip(speed[agent, lane], 0.0, limit[agent, SPEED, lane])
@@ -80,7 +80,7 @@ def follow_at_once(actuators, dt, world, agent, speed, steering):
 
 @actuate.register(Limited)
 def follow_within_limits(actuators, dt, world, agent, speed, steering):
-    """Change speed and steering by what a step allows; a HAV that waits brakes, wheels held."""
+    """Change speed and steering within the rates; a waiting HAV brakes and keeps its steering."""
     state, limit, lateral = world.state, world.fleet.limit, actuators.lateral
     turn, quick = actuators.steering_rate * dt, 0
     for lane in range(world.lanes):
@@ -105,17 +105,17 @@ def follow_within_limits(actuators, dt, world, agent, speed, steering):
 
 @kernel
 def _aim(world, agent, lane, speed):
-    """Return the speed that a HAV is to have [m/s], cut to its limit."""
+    """Return the target speed of a HAV [m/s], clipped to its limit."""
     v = clip(speed[agent, lane], 0.0, world.fleet.limit[agent, SPEED, lane])
     return 0.0 if world.state.waiting[agent, lane] else v
 
 
 @kernel
 def _may_be_quick(speed, steering, wheelbase, lateral):
-    """Tell whether a speed [m/s] may be above ``speed_in_curve``; below it, none is told to be.
+    """Return whether a speed [m/s] may exceed ``speed_in_curve``; False implies that it does not.
 
     tan(x) is at most x pi^2 / (pi^2 - 4 x^2) up to a quarter turn (Becker and Stark, 1978). A
-    hundredth more keeps rounding from mattering.
+    margin of one hundredth covers rounding.
     """
     x = abs(steering)
     return speed * speed * (_ABOVE_PI_SQUARED * x) > lateral * wheelbase * (
@@ -150,14 +150,14 @@ def _who_waits_may_roll(actuators, world, agent):
 def actuators_of(vehicle: Any) -> Any:
     """Return the actuators of a vehicle: those in its field, if it is registered, or instant ones.
 
-    A vehicle of your own whose field ``actuators`` should count registers with
+    To use a field ``actuators`` of a vehicle of your own, register
     ``actuators_of.register(MyVehicle)(actuators_in_field)``.
     """
 
 
 @kernel
 def actuators_in_field(vehicle):
-    """Return what a vehicle has in its field ``actuators``."""
+    """Return the field ``actuators`` of a vehicle."""
     return vehicle.actuators
 
 
@@ -170,7 +170,7 @@ _INSTANT = Instant()
 
 
 def is_instant(vehicle: Any) -> bool:
-    """Tell whether a vehicle does at once what was commanded: nobody who waits rolls."""
+    """Return whether a vehicle follows commands at once, so that no waiting HAV rolls."""
     return isinstance(actuators_of(vehicle), Instant)
 
 
@@ -178,8 +178,8 @@ def check_actuators(vehicle: Any) -> None:
     """Check the actuators of a vehicle.
 
     Raises:
-        TypeError: when they are no actuators, or a field has a value of another kind.
-        ValueError: naming the field, its value and what is allowed.
+        TypeError: if they are no actuators, or a field has a value of another kind.
+        ValueError: if a field is outside its range; the message names its value and the rule.
     """
     actuators = actuators_of(vehicle)
     if type(actuators) not in actuate.table:

@@ -1,4 +1,4 @@
-"""This module has the bodies of vehicles: lines, as in the paper, or rectangles with a width."""
+"""This module defines the bodies of vehicles: lines, as in the paper, or rectangles."""
 
 from typing import NamedTuple
 
@@ -8,18 +8,18 @@ from hav_env.world.units.parts import Lines
 
 
 class Rectangles(NamedTuple):
-    """Each unit is a rectangle, from its front end to its axle and as far beyond as it sticks out.
+    """Rectangles from front end to axle of each unit, with overhangs.
 
-    The numbers are for HAVs whose fleet states no bodies, as the paper's do not. The default width
+    The numbers apply to HAVs whose fleet states no bodies, such as the paper's. The default width
     is the most that Council Directive 96/53/EC allows.
     """
 
     width: BodyWidth = 2.55
-    """[m]; 0 gives lines."""
+    """Width [m]; 0 gives lines."""
     front: Overhang = 0.0
-    """How far a unit sticks out ahead of its front end [m]: the truck's front axle, or a hitch."""
+    """Overhang of a unit ahead of its front end [m]: the truck's front axle, or a hitch."""
     rear: Overhang = 0.0
-    """How far a unit sticks out behind its axle [m]."""
+    """Overhang of a unit behind its axle [m]."""
 
 
 Bodies = Lines | Rectangles

@@ -1,4 +1,4 @@
-"""This module has the kinematics of trailers that are hitched off the axles ahead of them.
+"""This module defines the kinematics of trailers with off-axle hitches.
 
 It is the general n-trailer: C. Altafini, "Some properties of the general n-trailer", International
 Journal of Control 74(4), 2001.
@@ -7,6 +7,7 @@ Journal of Control 74(4), 2001.
 from typing import Any, Literal, NamedTuple
 
 from hav_env.compiled import kernel
+from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import into_frame
 from hav_env.models.quantities import Substeps
 from hav_env.vehicles.actuators import Instant
@@ -18,22 +19,22 @@ EULER = 1  # place of the word in ``OffAxle.integrator``
 
 
 class OffAxle(NamedTuple):
-    """Mixed chains: a hitch behind the axle ahead, on it, or ahead of it as a fifth wheel is.
+    """Mixed chains: a hitch behind the axle ahead, on it, or ahead of it, as a fifth wheel.
 
-    Rolling without slip, as in the paper. By default a step takes the rates of the middle of the
-    step (the explicit midpoint rule, of second order): after a minute at 5 m/s with steps of 0.2 s
-    a chain of five units is 1 cm off, where Euler steps are metres off.
+    Rolling without slip, as in the paper. By default a step uses the rates at its middle (the
+    explicit midpoint rule, of second order). After a minute at 5 m/s with steps of 0.2 s, a chain
+    of five units is 1 cm off. Euler steps are metres off.
     """
 
     substeps: Substeps = 1
     """Steps of the integrator within one step of the simulation."""
     integrator: Literal["midpoint", "euler"] = "midpoint"
-    """"euler" updates one variable after the other, from the newest values, as ``OnAxle`` does;
-    with all hitches on the axles it gives the same bits."""
+    """Integrator. "euler" updates one variable after the other, from the newest values, as
+    ``OnAxle`` does; with all hitches on the axles it gives the same bits."""
     bodies: Bodies = Lines()
-    """``Lines()`` or ``Rectangles(...)``."""
+    """Bodies: ``Lines()`` or ``Rectangles(...)``."""
     actuators: Any = Instant()
-    """How speed and steering follow commands: ``Instant()`` or ``Limited(...)``."""
+    """Actuators: ``Instant()`` or ``Limited(...)``."""
 
 
 @kernel
@@ -46,20 +47,44 @@ def pull_of(speed, yaw_rate, cosine, sine, offset):
     Args:
         speed: v^{j-1} of the axle ahead [m/s].
         yaw_rate: w^{j-1} of the unit ahead [rad/s].
-        cosine: of the articulation delta^j.
-        sine: likewise.
-        offset: c^j, how far behind the axle ahead the trailer is hitched [m].
+        cosine: cosine of the articulation delta^j.
+        sine: sine of the articulation.
+        offset: c^j, distance of the trailer's hitch behind the axle ahead [m].
     """
     swing = offset * yaw_rate
     return speed * cosine - swing * sine, speed * sine + swing * cosine
 
 
 @kernel
+def pull_unit(own, ahead, speed, rate, offset, length, distance):
+    """Return the motion of a trailer over a distance by the midpoint rule, halfway and after.
+
+    Args:
+        own: heading of the trailer before [rad].
+        ahead: heading of the unit ahead, halfway [rad].
+        speed: speed of the axle ahead, over the truck's.
+        rate: yaw rate of the unit ahead, for each metre of the truck [rad/m].
+        offset: distance of the trailer's hitch behind the axle ahead [m].
+        length: length of the trailer [m].
+        distance: distance of the truck [m].
+
+    Returns:
+        Speed over the truck's, yaw rate [rad/m], and the headings halfway and after [rad].
+    """
+    sine, cosine = sincos(own - ahead)
+    _, across = pull_of(speed, rate, cosine, sine, offset)
+    sine, cosine = sincos(own - 0.5 * distance * across / length - ahead)
+    along, across = pull_of(speed, rate, cosine, sine, offset)
+    rate = -across / length
+    return along, rate, own + 0.5 * distance * rate, own + distance * rate
+
+
+@kernel
 def turn_direction(cosine, sine, angle):
     """Return a direction turned by an angle [rad], as cosine and sine.
 
-    It stays a direction for every angle, and is as good as exact for small ones: its error is
-    angle**5 / 120. A step of the midpoint rule stays of second order, for it turns half a step so.
+    The result has length 1 for every angle. For small angles its error is angle**5 / 120. The
+    midpoint rule uses it for half a step, and so stays of second order.
     """
     half = 0.5 * angle
     tangent = half + half * half * half * (1.0 / 3.0)
@@ -133,7 +158,7 @@ def _turn_truck_midway(h, world, agent):
 
 @kernel
 def _pull_trailer_midway(h, world, agent, unit):
-    """Turn a trailer: to the middle of the step by its first yaw rate, then by that of there."""
+    """Turn a trailer to the middle of the step by its first yaw rate, then by the rate there."""
     state, joints = world.state, world.fleet.joints
     ahead, halfway = joints.ahead, joints.halfway
     for lane in range(world.lanes):
@@ -157,6 +182,6 @@ def _pull_trailer_midway(h, world, agent, unit):
 
 @kernel
 def _hand_on(motion, lane, speed, yaw_rate, cosine, sine):
-    """Leave to the unit behind what it needs to know of this one."""
+    """Store the values of this unit that the unit behind needs."""
     motion.speed[lane], motion.yaw_rate[lane] = speed, yaw_rate
     motion.cosine[lane], motion.sine[lane] = cosine, sine

@@ -1,4 +1,4 @@
-"""This module has the paper's kinematics: an Ackermann truck and on-axle hitched trailers."""
+"""This module defines the paper's kinematics: an Ackermann truck with on-axle hitched trailers."""
 
 from typing import Any, NamedTuple
 
@@ -14,43 +14,43 @@ from hav_env.world.arrays import AHEAD_COSINE, AHEAD_SINE, AHEAD_SPEED, turn_uni
 class OnAxle(NamedTuple):
     """On-axle hitching, rolling without slip, Euler integration.
 
-    The paper does not state its integrator. By default one variable is updated after the other, as
-    a program naturally would: the truck's heading, its position, then trailer by trailer, each from
-    the newest values (sequential, or semi-implicit, Euler). That fits the published figures; the
-    textbook's explicit Euler is ``simultaneous=True``. Both are of first order.
+    The paper does not state its integrator. By default it updates one variable after the other, as
+    a program naturally does: the truck's heading, its position, then trailer by trailer, each from
+    the newest values (sequential, or semi-implicit, Euler). That fits the published figures.
+    ``simultaneous=True`` is the textbook's explicit Euler. Both are of first order.
     """
 
     substeps: Substeps = 1
     """Euler steps within one step of the simulation; the paper's is one."""
     simultaneous: bool = False
-    """Take all derivatives at the beginning of an Euler step instead of in order."""
+    """Whether to take all derivatives at the beginning of an Euler step instead of in order."""
     bodies: Bodies = Lines()
-    """``Lines()`` or ``Rectangles(...)``."""
+    """Bodies: ``Lines()`` or ``Rectangles(...)``."""
     actuators: Any = Instant()
-    """How speed and steering follow commands: ``Instant()`` or ``Limited(...)``."""
+    """Actuators: ``Instant()`` or ``Limited(...)``."""
 
 
 @kernel
 def truck_yaw_rate(speed, steering, wheelbase):
-    """Return v^0 tan(phi) / l^0 [rad/s], eq. (kinematics)."""
+    """Return v^0 tan(phi) / l^0 [rad/s], equation (1) of the paper."""
     sine, cosine = sincos(steering)
     return speed * sine / (wheelbase * cosine)
 
 
 @kernel
 def trailer_yaw_rate(speed_ahead, sine_articulation, length):
-    """Return -v^{j-1} sin(delta^j) / l^j [rad/s], eq. (kinematics-trailers)."""
+    """Return -v^{j-1} sin(delta^j) / l^j [rad/s], equation (2) of the paper."""
     return -speed_ahead * sine_articulation / length
 
 
 @kernel
 def trailer_speed(speed_ahead, cosine_articulation):
-    """Return v^j = v^{j-1} cos(delta^j) [m/s], eq. (kinematics-trailers)."""
+    """Return v^j = v^{j-1} cos(delta^j) [m/s], equation (2) of the paper."""
     return speed_ahead * cosine_articulation
 
 
 def move_on_axle(vehicle, dt, world, agent):
-    """Integrate eqs. (kinematics) and (kinematics-trailers)."""
+    """Integrate equations (1) and (2) of the paper."""
     h = dt / vehicle.substeps
     for _ in range(vehicle.substeps):
         if vehicle.simultaneous:
@@ -102,7 +102,7 @@ def _pull_trailer(vehicle, h, world, agent, unit):
 
 @kernel
 def _tow(state, lane, speed, cosine, sine):
-    """Leave to the unit behind what it needs to know of this one."""
+    """Store the values of this unit that the unit behind needs."""
     state.ahead[AHEAD_SPEED, lane] = speed
     state.ahead[AHEAD_COSINE, lane] = cosine
     state.ahead[AHEAD_SINE, lane] = sine

@@ -1,16 +1,16 @@
-"""This module has closed forms of truck-trailer chains: steady circles, turning radii, swept rings.
+"""This module has closed forms of truck-trailer chains: steady circles, radii, swept rings.
 
-It is for chains with any mix of on-axle hitches, drawbars and fifth wheels. A chain is the lengths
-(K,) of its units [m], the truck's wheelbase first, and the offsets (K,) of their hitches [m]: how
-far behind the axle of the unit ahead each is hitched. ``offsets[0]`` is not used. The equations are
-those of the general n-trailer, for articulation d_j, speed v_j and yaw rate w_j of unit j. With
-c_j = 0 they are the paper's eq. (kinematics-trailers)::
+They hold for chains with any mix of on-axle hitches, drawbars and fifth wheels. A chain is the
+lengths (K,) of its units [m], the truck's wheelbase first, and the offsets (K,) of their hitches
+[m], the distance behind the axle of the unit ahead. ``offsets[0]`` is not used. The equations are
+those of the general n-trailer, for articulation d_j, speed v_j and yaw rate w_j of unit j. With c_j
+= 0 they are equation (2) of the paper::
 
     v_j     =  v_{j-1} cos d_j - c_j w_{j-1} sin d_j
     l_j w_j = -v_{j-1} sin d_j - c_j w_{j-1} cos d_j
 
-Radii are of the truck's rear axle unless a function says otherwise. The paper's R_min is of its
-front axle: ``math.hypot(lengths[0], least_radius(lengths, offsets))``.
+Radii are those of the truck's rear axle unless a function states otherwise. The paper's R_min is
+that of its front axle: ``math.hypot(lengths[0], least_radius(lengths, offsets))``.
 """
 
 import math
@@ -22,28 +22,28 @@ import numpy as np
 from hav_env.maths.hitched_circle import add_joint
 
 Floats = Sequence[float] | np.ndarray
-_HALVINGS = 100  # of an interval of radii, until its ends are neighbours
+_HALVINGS = 100  # halvings of an interval of radii, until its ends are neighbours
 
 
 class SweptRing(NamedTuple):
     """The ring that the bodies of a chain sweep on a steady circle."""
 
     inner: float
-    """Radius [m] that nothing of any body is inside of; 0 where a body holds the centre."""
+    """Radius [m] of the circle that no body enters; 0 if a body contains the centre."""
     outer: float
-    """Radius [m] that nothing of any body is outside of."""
+    """Radius [m] of the circle that contains all bodies."""
 
 
 def steady_radii(radius: float, lengths: Floats, offsets: Floats) -> np.ndarray:
     """Return the radii (K,) [m] of all axles while the truck's rear axle drives round a circle.
 
     Args:
-        radius: of the truck's rear axle [m].
-        lengths: (K,) of the units [m].
-        offsets: (K,) how far behind the axle ahead each unit is hitched [m].
+        radius: radius of the truck's rear axle [m].
+        lengths: (K,) lengths of the units [m].
+        offsets: (K,) distances of the hitches behind the axle ahead [m].
 
     Raises:
-        ValueError: when the chain cannot follow on that circle for good.
+        ValueError: if the chain cannot follow on that circle without end.
     """
     squared = [radius * radius]
     for length, offset in _joints(lengths, offsets):
@@ -56,17 +56,17 @@ def steady_radii(radius: float, lengths: Floats, offsets: Floats) -> np.ndarray:
 
 
 def steady_articulations(radius: float, lengths: Floats, offsets: Floats) -> np.ndarray:
-    """Return by how much each trailer turns into a steady circle (K - 1,) [rad].
+    """Return the articulations on a steady circle (K - 1,) [rad].
 
     It is atan(c_j / r_{j-1}) + atan(l_j / r_j). A left turn of the truck makes it negative.
 
     Args:
-        radius: of the truck's rear axle [m].
-        lengths: (K,) of the units [m].
-        offsets: (K,) of their hitches [m].
+        radius: radius of the truck's rear axle [m].
+        lengths: (K,) lengths of the units [m].
+        offsets: (K,) offsets of their hitches [m].
 
     Raises:
-        ValueError: when the chain cannot follow on that circle for good.
+        ValueError: if the chain cannot follow on that circle without end.
     """
     radii = steady_radii(radius, lengths, offsets)
     ahead = np.arctan2(np.asarray(offsets, float)[1:], radii[:-1])
@@ -74,15 +74,15 @@ def steady_articulations(radius: float, lengths: Floats, offsets: Floats) -> np.
 
 
 def least_radius(lengths: Floats, offsets: Floats, limits: Floats | None = None) -> float:
-    """Return the least radius [m] on which the chain can circle for good.
+    """Return the least radius [m] on which the chain can circle without end.
 
-    It is the square root of the largest of the sums of l^2 - c^2 over the first trailers, of which
-    the sum over all need not be the largest. Limits of articulation ask for more
+    It is the square root of the largest sum of l^2 - c^2 over the first trailers. The sum over all
+    trailers need not be the largest. Limits of articulation require more
     (``hav_env.maths.hitched_circle.needed_squared``).
 
     Args:
-        lengths: (K,) of the units [m].
-        offsets: (K,) of their hitches [m].
+        lengths: (K,) lengths of the units [m].
+        offsets: (K,) offsets of their hitches [m].
         limits: (K,) greatest articulation of each unit [rad], above 0 and below pi, the truck's
             unused; none by default.
     """
@@ -98,16 +98,16 @@ def least_radius(lengths: Floats, offsets: Floats, limits: Floats | None = None)
 def articulation_bounds(curvature: float, lengths: Floats, offsets: Floats) -> np.ndarray:
     """Return bounds (K - 1,) [rad] of all articulations for ANY steering within a curvature.
 
-    They hold for ever, forwards and at any speed, once all articulations are within them. With k
-    the greatest curvature of the axle ahead, sin d = k (l + c cos d), and the next curvature is at
-    most tan(d + atan(|c| k)) / l. For fifth wheels and on-axle hitches these are the articulations
-    on the steady circle. Drawbars exceed those under counter-steering. A bound is infinite where no
-    bound below 90 degrees is known.
+    They hold at all later times, forwards and at any speed, once all articulations are within them.
+    With k the greatest curvature of the axle ahead, sin d = k (l + c cos d), and the next curvature
+    is at most tan(d + atan(|c| k)) / l. For fifth wheels and on-axle hitches these are the
+    articulations on the steady circle. Drawbars exceed those under counter-steering. A bound is
+    infinite if the formula gives none below 90 degrees.
 
     Args:
         curvature: greatest curvature of the path of the truck's rear axle [1/m].
-        lengths: (K,) of the units [m].
-        offsets: (K,) of their hitches [m].
+        lengths: (K,) lengths of the units [m].
+        offsets: (K,) offsets of their hitches [m].
     """
     bounds = np.full(len(lengths) - 1, math.inf)
     for joint, (length, offset) in enumerate(_joints(lengths, offsets)):
@@ -121,14 +121,15 @@ def articulation_bounds(curvature: float, lengths: Floats, offsets: Floats) -> n
 
 
 def least_radius_of_any_steering(lengths: Floats, offsets: Floats, limits: Floats) -> float:
-    """Return the least radius [m] to which steering must be limited so that no limit is passed.
+    """Return the least radius [m] for which no steering exceeds a limit of articulation.
 
-    No steering of a truck that keeps to it bends any joint beyond its limit. It is the least for
-    which ``articulation_bounds`` says so, and may be far too wide for long trains of drawbars.
+    No steering of a truck within this radius bends any joint beyond its limit. It is the least
+    radius for which ``articulation_bounds`` proves that, and may be far too wide for long trains of
+    drawbars.
 
     Args:
-        lengths: (K,) of the units [m].
-        offsets: (K,) of their hitches [m].
+        lengths: (K,) lengths of the units [m].
+        offsets: (K,) offsets of their hitches [m].
         limits: (K,) greatest articulation of each unit [rad], the truck's unused.
     """
     most = np.asarray(limits, float)[1:]
@@ -156,15 +157,15 @@ def swept_ring(
     """Return the ring that rectangular bodies sweep on a steady circle.
 
     Args:
-        radius: of the truck's rear axle [m].
-        lengths: (K,) of the units [m].
-        offsets: (K,) of their hitches [m].
-        half_widths: (K,) of the bodies [m].
-        fronts: (K,) how far each body reaches ahead of its front axle or hitch [m].
-        rears: (K,) how far each body reaches behind its axle [m].
+        radius: radius of the truck's rear axle [m].
+        lengths: (K,) lengths of the units [m].
+        offsets: (K,) offsets of their hitches [m].
+        half_widths: (K,) half widths of the bodies [m].
+        fronts: (K,) reach of each body ahead of its front axle or hitch [m].
+        rears: (K,) reach of each body behind its axle [m].
 
     Raises:
-        ValueError: when the chain cannot follow on that circle for good.
+        ValueError: if the chain cannot follow on that circle without end.
     """
     centre = steady_radii(radius, lengths, offsets)  # to the left of each axle
     front, rear = np.add(lengths, fronts), np.asarray(rears, float)
@@ -181,7 +182,7 @@ def fastest_point_gain(
     fronts: Floats,
     rears: Floats,
 ) -> float:
-    """Return how many times as fast as the truck's rear axle any point of any body can be, at most.
+    """Return the largest speed of any point of a body over that of the truck's rear axle.
 
     A hitch moves at most max(1, |c| / l) times as fast as the hitch ahead. In the frame of a
     trailer, whose hitch moves at unit speed, a point's velocity is linear in the direction of the
@@ -189,11 +190,11 @@ def fastest_point_gain(
 
     Args:
         curvature: greatest curvature of the path of the truck's rear axle [1/m].
-        lengths: (K,) of the units [m].
-        offsets: (K,) of their hitches [m].
-        half_widths: (K,) of the bodies [m].
-        fronts: (K,) how far each body reaches ahead of its front axle or hitch [m].
-        rears: (K,) how far each body reaches behind its axle [m].
+        lengths: (K,) lengths of the units [m].
+        offsets: (K,) offsets of their hitches [m].
+        half_widths: (K,) half widths of the bodies [m].
+        fronts: (K,) reach of each body ahead of its front axle or hitch [m].
+        rears: (K,) reach of each body behind its axle [m].
     """
     along = np.maximum(np.abs(np.add(lengths, fronts)), np.abs(rears))
     aside = np.asarray(half_widths, float)
@@ -210,17 +211,17 @@ def fastest_point_gain(
 
 
 def check_damped(lengths: Floats, offsets: Floats) -> None:
-    """Check that no trailer swings more than the unit ahead of it, however fast that one swings.
+    """Check that no trailer swings more than the unit ahead of it, at any frequency.
 
-    From heading to heading a joint is (v - c s) / (v + l s): stable for every c, but quick swings
-    come out |c| / l times as large.
+    From heading to heading a joint is (v - c s) / (v + l s): stable for every c, but it multiplies
+    quick swings by |c| / l.
 
     Args:
-        lengths: (K,) of the units [m].
-        offsets: (K,) of their hitches [m].
+        lengths: (K,) lengths of the units [m].
+        offsets: (K,) offsets of their hitches [m].
 
     Raises:
-        ValueError: when an offset exceeds its trailer's length.
+        ValueError: if an offset exceeds its trailer's length.
     """
     for unit, (length, offset) in enumerate(_joints(lengths, offsets), start=1):
         if not abs(offset) <= length:

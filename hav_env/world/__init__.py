@@ -1,1 +1,1 @@
-"""This package holds the worlds: arrays, events, collisions, and what HAVs sense of each other."""
+"""This package holds the worlds: arrays, events, collisions, and how HAVs sense each other."""

@@ -1,9 +1,9 @@
 """This module declares the arrays of a batch of worlds: states, fleets, records.
 
 Shapes: N HAVs of a world, U units of a HAV (unit 0 is the truck; padded), G goals of a HAV, W
-worlds. The world is the last axis, the "lane": kernels run over HAVs and units outside and over the
-lanes inside, where one instruction works on several worlds. ``World`` names the whole batch as well
-as a block of its lanes. Quantities that belong together share an array: every array is one more
+worlds. The world is the last axis, the "lane". Kernels loop over HAVs and units outside and over
+lanes inside, where one instruction works on several worlds. ``World`` is the type of a whole batch
+and of a block of its lanes. Quantities that belong together share an array: every array is one more
 argument of every kernel.
 """
 
@@ -17,6 +17,7 @@ import numpy as np
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import into_frame
+from hav_env.world.place.guidance import Dubins, allocate_guidance
 from hav_env.world.place.segments import allocate_place
 from hav_env.world.units.joints import hitch_offset, hitch_on_axles, least_squared_radius
 from hav_env.world.units.outlines import find_reach, shape_as_usual
@@ -28,19 +29,19 @@ class State(NamedTuple):
 
     x: Array  # (N, W) truck's rear axle [m]
     y: Array  # (N, W)
-    heading: Array  # (N, U, W) of every unit [rad], not wrapped, so that full turns show
-    cosine: Array  # (N, U, W) of the heading, kept with it: most rules need it
-    sine: Array  # (N, U, W)
-    speed: Array  # (N, W) v^0 of the truck [m/s], in the step done
-    steering: Array  # (N, W) phi of the truck [rad], in the step done
-    ahead: Array  # (3, W) scratch: of the unit ahead while the units of a HAV move one by one
+    heading: Array  # (N, U, W) of every unit [rad], not wrapped, so it counts full turns
+    cosine: Array  # (N, U, W) cosine of the heading, stored because most rules need it
+    sine: Array  # (N, U, W) sine of the heading
+    speed: Array  # (N, W) v^0 of the truck [m/s] in the last step
+    steering: Array  # (N, W) phi of the truck [rad] in the last step
+    ahead: Array  # (3, W) scratch: the unit ahead while the units of a HAV move one by one
     goal: Array  # (N, 7, W) the goal under way, columns X .. PHASE
     waiting: Array  # (N, W) bool: at its goal until it gets the next one: it stands, or brakes
     clock: Array  # (3, W) columns STEP .. EPISODE
 
 
 AHEAD_SPEED, AHEAD_COSINE, AHEAD_SINE = range(3)
-# of a goal [m, m, rad]; how far it is [m]; which of the HAV's goals it is, from 0
+# of a goal: pose [m, m, rad], its direction; its distance [m]; its index among the HAV's goals
 X, Y, HEADING, COSINE, SINE, DISTANCE, PHASE = range(7)
 STEP, SEED, EPISODE = range(3)  # steps done; the key of the episode
 
@@ -56,44 +57,45 @@ class Fleet(NamedTuple):
     bodies: Any  # Lines or Outlines
 
 
-FOOTPRINT, STABLE = range(2)  # d_i, the sum of the trailers' lengths; R_min, eq. (rmin)
+FOOTPRINT, STABLE = range(2)  # d_i, the sum of the trailers' lengths; R_min, eq. (17)
 SPEED, STEERING, ARTICULATION, STEERING_COSINE, STEERING_SINE = range(5)
 
 
-FEW = 16  # HAVs up to which looking at all pairs is quicker than a grid
-# HAVs up to which comparing all pairs in every step is quicker than to keep a list of candidates:
-# rollouts of 2 take 0.9 of the time, those of 10 would take 1.25 times as long; 4 lies between
-# and was not measured by itself
+FEW = 16  # HAVs up to which comparing all pairs is faster than a grid
+# HAVs up to which comparing all pairs in every step is faster than keeping a list of candidates.
+# Rollouts of 2 take 0.9 of the time, those of 10 would take 1.25 times as long; 4 lies between and
+# was not measured by itself
 HANDFUL = 4
 
 
 class Nearby(NamedTuple):
-    """The neighbours of each HAV within sensing range, found anew after every step.
+    """Neighbours of each HAV within sensing range, found anew after every step.
 
-    Only pairs of HAVs that are on a list of candidates may be neighbours, see
-    ``hav_env.world.neighborhood``. The world is the first axis of what one world alone is searched
-    for and filled with.
+    Only pairs of HAVs on a list of candidates can be neighbours, see
+    ``hav_env.world.neighborhood``. The world is the first axis of arrays that a kernel searches or
+    fills for one world alone.
     """
 
     count: Array  # (N, W)
     index: Array  # (W, N, N - 1) int16, in ascending order
-    circle: Array  # (N, 3, W) columns CENTER_X .. RADIUS [m]: in it a HAV leaves the list valid
-    num_pairs: Array  # (W,) on the list; of a HANDFUL 1 if the pair at hand may touch
+    circle: Array  # (N, 3, W) columns CENTER_X .. RADIUS [m]: in them HAVs leave the list valid
+    num_pairs: Array  # (W,) on the list; in small worlds 1 if the pair at hand may touch
     pair: Array  # (W, N (N - 1) / 2, 3) int16: the list in ascending order, columns LOWER .. CLOSE
-    grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; for small swarms empty
-    were: Array  # (N, 2 + 2 U, W) x and y of the axles before the step; empty if not asked for
+    grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; empty in small swarms
+    were: Array  # (N, 2 + 2 U, W) x and y of the axles before the step; empty if not needed
 
 
 CENTER_X, CENTER_Y, RADIUS = range(3)
-LOWER, HIGHER, CLOSE = range(3)  # the two HAVs; 1 if they are so close that they may touch, else 0
+# the two HAVs; 1 if they are near enough that they may touch, else 0
+LOWER, HIGHER, CLOSE = range(3)
 COLUMN, ROW, NEXT, BUCKET = range(4)  # cell of a HAV; next HAV in its bucket; first in a bucket
 
 
 class Record(NamedTuple):
-    """The events of each HAV since the episode began."""
+    """Events of each HAV since the episode began."""
 
     first: Array  # (N, E, 2, W) rows EVENT_ROWS: WHEN (step) and WHERE (joint or partner)
-    total: Array  # (N, 4, W) columns LARGEST .. REMOVED
+    total: Array  # (N, 5, W) columns LARGEST .. INTERVENTIONS
     goal: Array  # (N, G, 6, W) columns HIT_STEP .. CLOSEST
     miss: Array  # (N, G, 2, 3 + U - 1, W) HEADING_MISS, EUCLIDEAN_MISS: MISS_COUNT ..
 
@@ -102,15 +104,15 @@ NEVER = -1
 # see hav_env.world.event_table; a plane without obstacles has no last row
 EVENT_ROWS = JACKKNIFE, POTENTIAL, ACTUAL, OBSTACLE = tuple(range(4))
 WHEN, WHERE = range(2)
-# largest articulation [rad], not wrapped: beyond pi the HAV folded through; driven path [m];
-# steps in which the HAV was not waiting; 1.0 once it was removed from the world
-LARGEST, PATH, MOVED, REMOVED = range(4)
+# largest articulation [rad], not wrapped: beyond pi the HAV folded through; driven path [m]; steps
+# in which it did not wait; 1.0 once it was removed; steps that a safety filter changed
+LARGEST, PATH, MOVED, REMOVED, INTERVENTIONS = range(5)
 # at the hit: step, distance [m], absolute heading difference [rad], path driven since the episode
-# began [m]; Dubins length with R_min from where the goal was assigned, least distance so far [m]
+# began [m]; Dubins length with R_min at the assignment of the goal, least distance so far [m]
 HIT_STEP, HIT_DISTANCE, HIT_HEADING, HIT_PATH, DUBINS, CLOSEST = range(6)
 HEADING_MISS, EUCLIDEAN_MISS = range(2)
-# steps in such a close miss; at the narrowest one: distance [m], absolute heading difference [rad]
-# and from column MISS_ARTICULATION on all articulations [rad]
+# number of steps in the close miss; at the narrowest one: distance [m], absolute heading difference
+# [rad] and from column MISS_ARTICULATION on all articulations [rad]
 MISS_COUNT, MISS_DISTANCE, MISS_HEADING, MISS_ARTICULATION = range(4)
 
 
@@ -123,10 +125,11 @@ class World(NamedTuple):
     nearby: Nearby
     record: Record
     place: Any  # Plane or Obstacles, see hav_env.world.place.segments
-    first: int  # which world of the batch lane 0 is
-    lanes: int  # how many worlds there are from lane 0 on
-    units: int  # to how many units of a HAV loops reach
-    rolls: bool  # HAVs that wait may roll on until they have come to rest
+    guidance: Any  # Dubins, or routes, see hav_env.world.place.guidance
+    first: int  # index of lane 0 among the worlds of the batch
+    lanes: int  # number of worlds from lane 0 on
+    units: int  # number of units of a HAV up to which loops run
+    rolls: bool  # waiting HAVs may roll on until they have come to rest
 
 
 def allocate_worlds(
@@ -139,23 +142,25 @@ def allocate_worlds(
     hitched: bool = False,
     bodies: Any = Lines(),  # a NamedTuple is immutable
     num_segments: int = 0,
+    guidance: Any = Dubins(),
     zeros: Callable[..., np.ndarray] = np.zeros,
 ) -> World:
     """Return the arrays of a batch.
 
-    Until a scenario fills them, HAVs wait far from each other, which costs little to step along.
+    Until a scenario fills them, HAVs wait far from each other, which makes steps cheap.
 
     Args:
-        num_worlds: W.
-        num_havs: N.
-        num_units: U.
-        num_goals: G.
-        continuous: whether collisions between steps are looked for.
-        rolls: whether HAVs that wait may roll on.
-        hitched: whether hitches may lie off the axles.
-        bodies: the model of the bodies.
-        num_segments: S, for how many segments of obstacles there is room.
-        zeros: makes each array from its shape and kind of numbers.
+        num_worlds: Number of worlds W.
+        num_havs: Number of HAVs N.
+        num_units: Number of units U.
+        num_goals: Number of goals G.
+        continuous: Whether kernels look for collisions between steps.
+        rolls: Whether waiting HAVs may roll on.
+        hitched: Whether hitches may lie off the axles.
+        bodies: Model of the bodies.
+        num_segments: Largest number of obstacle segments S.
+        guidance: Guidance without arrays for HAVs.
+        zeros: Function that makes each array from its shape and type.
     """
     n, u, g, w = num_havs, num_units, num_goals, num_worlds
     events = len(EVENT_ROWS) if num_segments > 0 else OBSTACLE
@@ -183,28 +188,23 @@ def allocate_worlds(
         ),
         real(n, g, 3),
         Nearby(
-            whole(n),
-            zeros((w, n, n - 1), np.int16),
-            real(n, 3),
-            whole(),
+            *(whole(n), zeros((w, n, n - 1), np.int16), real(n, 3), whole()),
             zeros((w, num_pairs, 3), np.int16),
             zeros((w, 4, buckets if n > FEW else 0), np.int64),
             real(n, 2 + 2 * u if continuous else 0),
         ),
-        Record(whole(n, events, 2), real(n, 4), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
+        Record(whole(n, events, 2), real(n, 5), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
         allocate_place(num_segments, (n, u, w), zeros),
-        0,
-        num_worlds,
-        num_units,
-        rolls,
+        allocate_guidance(guidance, (n, w), zeros),
+        *(0, num_worlds, num_units, rolls),
     )
 
 
 def world_size(*shape: Any) -> int:
-    """Return how many bytes the arrays of one world take; nothing is allocated.
+    """Return the number of bytes of the arrays of one world, without allocating them.
 
     Args:
-        *shape: as ``allocate_worlds`` takes it, from the number of HAVs on.
+        *shape: Arguments of ``allocate_worlds`` from the number of HAVs on.
     """
 
     def unbacked(shape: tuple[int, ...], kind: type) -> np.ndarray:
@@ -216,13 +216,13 @@ def world_size(*shape: Any) -> int:
 
 @kernel
 def as_place(number):
-    """Return a HAV's number of 16 bits as a place in arrays: compiled code asks for no sign."""
+    """Return a HAV's 16-bit number as an array index, whose sign compiled code need not test."""
     return int(number & 0x7FFF)
 
 
 @kernel
 def turn_unit(state, agent, unit, lane, heading):
-    """Give a unit a heading [rad]; return its cosine and sine, which are kept with it."""
+    """Set the heading [rad] of a unit; return its cosine and sine, which are stored with it."""
     sine, cosine = sincos(heading)
     state.heading[agent, unit, lane] = heading
     state.cosine[agent, unit, lane] = cosine
@@ -232,7 +232,7 @@ def turn_unit(state, agent, unit, lane, heading):
 
 @kernel
 def put_straight(state, agent, lane, x, y, heading):
-    """Put a HAV somewhere without articulation: every unit has the truck's heading [rad]."""
+    """Put a HAV at a pose without articulation: every unit has the truck's heading [rad]."""
     state.x[agent, lane] = x
     state.y[agent, lane] = y
     for unit in range(state.heading.shape[1]):
@@ -241,14 +241,14 @@ def put_straight(state, agent, lane, x, y, heading):
 
 @kernel
 def derive_radii(fleet, agent, lane, truck_share):
-    """Set what follows from a HAV's lengths and hitches: footprint radius d_i and R_min.
+    """Set the footprint radius d_i and R_min from a HAV's lengths and hitches.
 
-    d_i is the distance from the truck's rear axle to the end of the last trailer of a straight
-    HAV, sum_j l^j where all are hitched on axles, plus a share of the truck's length (the paper's
-    is 0). A hitch ahead of an axle counts as a way there and back.
+    d_i is the distance from the truck's rear axle to the end of the last trailer of a straight HAV,
+    sum_j l^j if all are hitched on axles. A share of the truck's length is added (0 in the paper).
+    A hitch ahead of an axle counts as a path there and back.
 
-    R_min = sqrt(sum_j (l^j)^2) over the truck and all trailers, eq. (rmin), where all are hitched
-    on axles.
+    If all are hitched on axles, R_min = sqrt(sum_j (l^j)^2) over the truck and all trailers, eq.
+    (rmin).
     """
     truck = fleet.length[agent, 0, lane]
     footprint = truck_share * truck + abs(hitch_offset(fleet.joints, agent, 0, lane))
@@ -263,7 +263,7 @@ def derive_radii(fleet, agent, lane, truck_share):
 
 @kernel
 def set_limits(scenario, fleet, agent, lane):
-    """Set the limits of a HAV to its scenario's, hitches on the axles and the usual bodies."""
+    """Set the limits of a HAV to the scenario's, with on-axle hitches and the default bodies."""
     sine, cosine = sincos(scenario.steering_max)
     fleet.limit[agent, SPEED, lane] = scenario.speed_max
     fleet.limit[agent, STEERING, lane] = scenario.steering_max
@@ -282,13 +282,13 @@ def into_truck_frame(state, agent, lane, dx, dy):
 
 @kernel
 def goal_under_way(state, agent, lane):
-    """Return which of its goals a HAV drives to, or waits at, from 0."""
+    """Return the index of the goal that a HAV drives to, or waits at, from 0."""
     return int(state.goal[agent, PHASE, lane])
 
 
 @kernel
 def is_removed(world, agent, lane):
-    """Tell whether a HAV was removed from its world; in Python also of many, given slices."""
+    """Return whether a HAV was removed from its world; in Python, slices select several."""
     return world.record.total[agent, REMOVED, lane] != 0.0
 
 

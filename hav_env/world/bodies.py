@@ -1,4 +1,4 @@
-"""This module has the bodies of HAVs as lines, and picks what is done with bodies by their type.
+"""This module has the bodies of HAVs as lines, and selects code for bodies by their type.
 
 With ``Lines`` the body of a HAV is the polygonal chain of its axles, as in the paper. Rectangles
 are in ``hav_env.world.rectangle_bodies``.
@@ -21,17 +21,17 @@ def find_box(bodies, world, agent, lane):
 
 @generic
 def bodies_meet(bodies, world, agent, other, lane):
-    """Tell whether the bodies of two HAVs have a point in common, exactly; it is slow."""
+    """Return whether the bodies of two HAVs have a point in common: an exact but slow test."""
 
 
 @generic
 def nearest_on_bodies(bodies, world, agent, lane, x, y):
-    """Return the point of the bodies of a HAV that is nearest to a place [m]."""
+    """Return the point of the bodies of a HAV that is nearest to a position [m]."""
 
 
 @generic
 def front_end(bodies, world, agent, lane):
-    """Return the middle of the front of a HAV [m]: the truck's front axle, or what is ahead."""
+    """Return the middle of a HAV's front [m]: the truck's front axle or its overhang's end."""
 
 
 @generic
@@ -41,7 +41,7 @@ def reach_of(bodies, fleet, agent, lane):
 
 @find_box.register(Lines)
 def _box_of_lines(bodies, world, agent, lane):
-    """Hold all ends; every front end but the truck's lies on the line ahead."""
+    """The box holds all ends; every front end but the truck's lies on the line ahead."""
     front_x, front_y = front_axle(world, agent, lane)
     left, right, low, high = front_x, front_x, front_y, front_y
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
@@ -95,13 +95,13 @@ def _front_of_line(bodies, world, agent, lane):
 
 @reach_of.register(Lines)
 def _reach_of_lines(bodies, fleet, agent, lane):
-    """The paper's footprint holds the trailers; a truck may be longer than all of them."""
+    """The paper's footprint covers the trailers; a truck may be longer than all of them."""
     return max(fleet.radius[agent, FOOTPRINT, lane], fleet.length[agent, 0, lane])
 
 
 @kernel
 def boxes_overlap(one, other):
-    """Tell whether two boxes, as ``find_box`` returns them, have a point in common."""
+    """Return whether two boxes, as ``find_box`` returns them, have a point in common."""
     left, right, low, high = one
     other_left, other_right, other_low, other_high = other
     apart = (right < other_left) | (other_right < left) | (high < other_low) | (other_high < low)

@@ -1,9 +1,9 @@
 """This module computes the chain of a HAV: its units one behind the other, from front to rear.
 
-The truck's front end is its front axle, its length ahead of its rear axle. A trailer's is its
-hitch, and its own axle is its length behind. Trailers are hitched on the axle ahead of them, or as
-``fleet.joints`` tells. The simulator calls the kernels. Drawings call ``axles_of``, ``fronts_of``
-and ``corners_of``. All add up from front to rear.
+The truck's front end is its front axle, its length ahead of its rear axle. A trailer's front end is
+its hitch, and its own axle is its length behind. Trailers are hitched on the axle ahead of them, or
+as ``fleet.joints`` states. The simulator calls the kernels. Drawings call ``axles_of``,
+``fronts_of`` and ``corners_of``. All of them sum from front to rear.
 """
 
 from typing import Any
@@ -29,16 +29,16 @@ def front_axle(world, agent, lane):
 def ends_behind(world, agent, unit, lane, x, y):
     """Return where the line of a unit ends and where the next one begins [m].
 
-    They are the same for a HAV whose trailers are hitched on axles. Beyond its last unit they are
-    the place given.
+    They are the same for a HAV whose trailers are hitched on axles. Beyond the last unit, both are
+    the given position.
 
     Args:
-        world: a block.
-        agent: which HAV.
-        unit: which of its units.
-        lane: which world.
-        x: of the front end of the unit [m].
-        y: likewise [m].
+        world: Block of worlds.
+        agent: Index of the HAV.
+        unit: Index of the unit.
+        lane: Index of the world.
+        x: x of the front end of the unit [m].
+        y: y of the front end of the unit [m].
 
     Returns:
         x and y of the end; x and y of the front end of the unit behind.
@@ -49,14 +49,14 @@ def ends_behind(world, agent, unit, lane, x, y):
 
 
 def axles_of(x, y, heading: np.ndarray, length: np.ndarray, offset: Any = 0.0) -> np.ndarray:
-    """Return where the axles of HAVs are; hitched on axles, they are the polygonal chain P_i.
+    """Return the positions of the axles of HAVs; on-axle, they are the polygonal chain P_i.
 
     Args:
-        x: (...) of the truck's rear axle [m].
-        y: (...) likewise [m].
-        heading: (..., K) of the units [rad], without any beyond the last.
-        length: (..., K) of the units [m].
-        offset: (..., K) how far behind the axle of each unit its trailer is hitched [m].
+        x: (...) x of the truck's rear axle [m].
+        y: (...) y of the truck's rear axle [m].
+        heading: (..., K) headings of the units [rad], without entries beyond the last unit.
+        length: (..., K) lengths of the units [m].
+        offset: (..., K) distance from the axle of each unit back to its trailer's hitch [m].
 
     Returns:
         (..., K + 1, 2) x and y [m]: the truck's front axle, its rear axle, each trailer's axle.
@@ -67,7 +67,7 @@ def axles_of(x, y, heading: np.ndarray, length: np.ndarray, offset: Any = 0.0) -
 
 
 def fronts_of(x, y, heading: np.ndarray, length: np.ndarray, offset: Any = 0.0) -> np.ndarray:
-    """Return where the front ends of units are: the truck's front axle, the trailers' hitches.
+    """Return the front ends of units: the truck's front axle, the trailers' hitches.
 
     Args and shapes are those of ``axles_of``.
 
@@ -84,11 +84,11 @@ def corners_of(
 
     Args:
         shape: (..., K, 3) columns HALF_WIDTH .. REAR [m].
-        x: (...) of the truck's rear axle [m].
-        y: (...) likewise [m].
-        heading: (..., K) of the units [rad], without any beyond the last.
-        length: (..., K) of the units [m].
-        offset: (..., K) how far behind the axle of each unit its trailer is hitched [m].
+        x: (...) x of the truck's rear axle [m].
+        y: (...) y of the truck's rear axle [m].
+        heading: (..., K) headings of the units [rad], without entries beyond the last unit.
+        length: (..., K) lengths of the units [m].
+        offset: (..., K) distance from the axle of each unit back to its trailer's hitch [m].
 
     Returns:
         (..., K, 4, 2) x and y [m]: rear right, front right, front left, rear left.

@@ -1,6 +1,6 @@
-"""This module measures how close HAVs are: circles of footprints, reaches, gaps.
+"""This module measures distances between HAVs: circles of footprints, reaches, gaps.
 
-Whether bodies touch is in ``hav_env.world.bodies``.
+``hav_env.world.bodies`` tests whether bodies touch.
 """
 
 import math
@@ -9,7 +9,7 @@ from hav_env.compiled import kernel
 from hav_env.world.arrays import FOOTPRINT
 from hav_env.world.bodies import front_end, nearest_on_bodies, reach_of
 
-# more than rounding moves the axles of chains, even 1e13 m from the origin [m]
+# more than the rounding error of axles of chains, even 1e13 m from the origin [m]
 AXLE_ROUNDING = 0.1
 
 
@@ -21,9 +21,9 @@ def collision_distance(fleet, agent, other, lane):
 
 @kernel
 def potential_collision(task, world, agent, other, lane):
-    """Tell whether the footprint circles of two HAVs overlap, eq. (potential-collision).
+    """Return whether the footprint circles of two HAVs overlap, eq. (5).
 
-    The task may put the circles elsewhere and widen them; the text does not.
+    The task may move the circles and widen them; the paper's text does not.
     """
     dx, dy = offset_between(world, agent, other, task.potential_center, lane)
     trucks = world.fleet.length[agent, 0, lane] + world.fleet.length[other, 0, lane]
@@ -69,7 +69,7 @@ def squared_distance(world, agent, other, lane):
 
 @kernel
 def within(squared, limit):
-    """Tell whether a distance, given its square [m^2], is at most a limit [m], at least 0."""
+    """Return whether a distance, given its square [m^2], is at most a limit [m], at least 0."""
     return squared <= limit * limit
 
 

@@ -1,7 +1,7 @@
 """This module detects collisions continuously, between steps.
 
-Each axle goes at constant speed from its place before a step to its place after it. Two links meet
-when an end of one passes through the other, which is a root of a quadratic of time.
+Each axle moves at constant speed from its position before a step to its position after it. Two
+links meet when an end of one passes through the other, which is a root of a quadratic of time.
 """
 
 import math
@@ -15,10 +15,10 @@ from hav_env.world.collision import AXLE_ROUNDING, reach, squared_distance, with
 
 @rare_kernel
 def _passes(p, q, a, to_p, to_q, to_a):
-    """Tell whether a moving point passes through a moving segment p-q.
+    """Return whether a moving point passes through a moving segment p-q.
 
-    Points are pairs (x, y) [m] before and after. Twice the area of the triangle of the three is a
-    quadratic of time; the point passes at a root at which it is between both ends.
+    Points are pairs (x, y) [m] before and after. Twice the area of the triangle of the three points
+    is a quadratic in time. The point passes at a root at which it is between both ends.
     """
     ux, uy = q[0] - p[0], q[1] - p[1]
     vx, vy = a[0] - p[0], a[1] - p[1]
@@ -30,7 +30,7 @@ def _passes(p, q, a, to_p, to_q, to_a):
     root = linear * linear - 4.0 * quadratic * constant
     if root < 0.0:
         return False
-    # the form that loses no digits where the quadratic part is small
+    # this form loses no digits if the quadratic part is small
     part = -0.5 * (linear + math.copysign(math.sqrt(root), linear))
     first = part / quadratic if quadratic != 0.0 else math.inf
     second = constant / part if part != 0.0 else math.inf
@@ -41,7 +41,7 @@ def _passes(p, q, a, to_p, to_q, to_a):
 
 @kernel
 def _is_between(share, ux, uy, vx, vy, du_x, du_y, dv_x, dv_y):
-    """Tell whether at a time from 0 to 1 the point v is beside the segment from the origin to u."""
+    """Return whether v is beside the segment from the origin to u at a time from 0 to 1."""
     if not 0.0 <= share <= 1.0:
         return False
     ux, uy, vx, vy = ux + share * du_x, uy + share * du_y, vx + share * dv_x, vy + share * dv_y
@@ -51,18 +51,18 @@ def _is_between(share, ux, uy, vx, vy, du_x, du_y, dv_x, dv_y):
 
 @rare_kernel
 def moving_segments_meet(a, b, c, d, to_a, to_b, to_c, to_d):
-    """Tell whether the segments a-b and c-d have a point in common at any time of a step.
+    """Return whether the segments a-b and c-d have a point in common at any time of a step.
 
     Args:
-        a: one end of the first segment before the step (x, y) [m]. Each end goes straight, at
+        a: One end of the first segment before the step (x, y) [m]. Each end moves straight, at
             constant speed.
-        b: the other end of the first segment.
-        c: one end of the second segment.
-        d: the other end of the second segment.
-        to_a: where the end a is after the step.
-        to_b: where the end b is after the step.
-        to_c: where the end c is after the step.
-        to_d: where the end d is after the step.
+        b: Other end of the first segment.
+        c: One end of the second segment.
+        d: Other end of the second segment.
+        to_a: End a after the step.
+        to_b: End b after the step.
+        to_c: End c after the step.
+        to_d: End d after the step.
     """
     return (
         segments_intersect(*to_a, *to_b, *to_c, *to_d)
@@ -75,7 +75,7 @@ def moving_segments_meet(a, b, c, d, to_a, to_b, to_c, to_d):
 
 @kernel
 def note_axles(world, agent):
-    """Note where the axles of a HAV are before the next step, in every lane of a block."""
+    """Record the axles of a HAV before the next step, in every lane of a block."""
     were = world.nearby.were
     for lane in range(world.lanes):
         x, y = front_axle(world, agent, lane)
@@ -89,14 +89,14 @@ def note_axles(world, agent):
 
 @kernel
 def _was(world, agent, axle, lane):
-    """Return where an axle was before the step [m]."""
+    """Return the position of an axle before the step [m]."""
     were = world.nearby.were
     return were[agent, 2 * axle, lane], were[agent, 2 * axle + 1, lane]
 
 
 @kernel
 def may_meet(world, agent, other, lane):
-    """Tell whether two HAVs are so near that their chains may have met since the step before."""
+    """Return whether two HAVs are so near that their chains may have met since the step before."""
     limit = AXLE_ROUNDING
     for hav in (agent, other):
         x, y = _was(world, hav, 1, lane)
@@ -107,7 +107,7 @@ def may_meet(world, agent, other, lane):
 
 @kernel
 def box_of_way(world, agent, lane):
-    """Return the box round the chain of a HAV and where its axles were before the step."""
+    """Return the box round the chain of a HAV and the positions of its axles before the step."""
     left, right, low, high = find_box(world.fleet.bodies, world, agent, lane)
     for axle in range(world.fleet.num_trailers[agent, lane] + 2):
         x, y = _was(world, agent, axle, lane)
@@ -117,7 +117,7 @@ def box_of_way(world, agent, lane):
 
 @rare_kernel
 def collision_between(world, agent, other, lane):
-    """Tell whether the chains of two HAVs have met since the step before, or do so now."""
+    """Return whether the chains of two HAVs meet now or have met since the step before."""
     a, to_a = _was(world, agent, 0, lane), front_axle(world, agent, lane)
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
         b, to_b = _was(world, agent, unit + 1, lane), _end_of(world, agent, unit, lane, to_a)

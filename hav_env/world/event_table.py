@@ -12,32 +12,32 @@ from hav_env.world.place.segments import Obstacles, Plane
 
 
 class Event(NamedTuple):
-    """An event of which the first occurrence in an episode is recorded."""
+    """An event whose first occurrence in an episode is recorded."""
 
     name: str
-    """Column of the table, and entry of the report."""
+    """Name of its column in the table, and of its entry in the report."""
     row: int
     """Row of ``Record.first``."""
     stem: str
-    """Begins the names of the columns that tell the step and the place."""
+    """Beginning of the names of the columns for step and place."""
     place: str
     """Meaning of WHERE: the "joint" of the HAV, the "partner" in a collision, the "segment"."""
     label: str
     """Name of its figure."""
     state: str
-    """Said of a HAV to which it has happened."""
+    """Adjective for a HAV to which it has happened."""
     happens: str
-    """Said of a HAV to which it happens now."""
+    """Verb for a HAV to which it happens now."""
     sign: str
-    """One character that marks it in lists."""
+    """Character that marks it in lists."""
     color: str
     """Key of its colour in drawings: "alert" or "warning"."""
     company: bool
-    """It needs another HAV."""
+    """Whether it needs another HAV."""
     harm: bool
-    """A HAV to which it has happened has failed."""
+    """Whether a HAV to which it has happened has failed."""
     obstacles: bool = False
-    """It needs obstacles: worlds without any have no row of it."""
+    """Whether it needs obstacles: worlds without obstacles have no row for it."""
 
 
 EVENTS = (
@@ -100,7 +100,7 @@ _HARM_ROWS = tuple(event.row for event in HARM if not event.obstacles)
 
 
 def happened(first, event: Event):
-    """Tell to which HAVs an event has happened, from ``Record.first`` (N, E, 2, ...)."""
+    """Return to which HAVs an event has happened, from ``Record.first`` (N, E, 2, ...)."""
     return first[:, event.row, WHEN] != NEVER
 
 
@@ -111,7 +111,7 @@ def events_in(first) -> tuple[Event, ...]:
 
 @kernel
 def unharmed(world, agent, lane):
-    """Tell whether no event that means failure has happened to a HAV."""
+    """Return whether no event that means failure has happened to a HAV."""
     first, harmed = world.record.first, False
     for row in _HARM_ROWS:
         harmed = harmed | (first[agent, row, WHEN, lane] != NEVER)
@@ -120,7 +120,7 @@ def unharmed(world, agent, lane):
 
 @generic
 def obstacle_hit_at(place, world, agent, lane):
-    """Return in which step a HAV first collided with an obstacle, or NEVER."""
+    """Return the step in which a HAV first collided with an obstacle, or NEVER."""
 
 
 @obstacle_hit_at.register(Plane)

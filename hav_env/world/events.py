@@ -30,7 +30,7 @@ from hav_env.world.units.joints import joint_limit
 
 @kernel
 def jackknifed(articulation, limit):
-    """Tell whether an articulation [rad] is beyond its limit in (0, pi], eq. (cos_delta_lim)."""
+    """Return whether an articulation [rad] is beyond its limit in (0, pi], eq. (4)."""
     _, cosine = sincos(articulation)
     _, cosine_limit = sincos(limit)
     return cosine < cosine_limit
@@ -55,7 +55,7 @@ def record_jackknifes(task, world, agent):
     """Look for the first jackknife of a HAV in every lane.
 
     Returns:
-        In how many lanes the HAV may have jackknifed.
+        Number of lanes in which the HAV may have jackknifed.
     """
     news = 0
     for lane in range(world.lanes):
@@ -67,9 +67,9 @@ def record_jackknifes(task, world, agent):
 
 @kernel
 def _may_jackknife(world, agent, lane):
-    """Tell whether a HAV that never jackknifed has been beyond its limit; below, none can.
+    """Return whether a HAV without a jackknife has exceeded its limit; below it, none can occur.
 
-    Where joints have limits of their own, the HAV's is the least of them.
+    If joints have limits of their own, the HAV's limit is the least of them.
     """
     beyond = world.record.total[agent, LARGEST, lane] > world.fleet.limit[agent, ARTICULATION, lane]
     return beyond & (world.record.first[agent, JACKKNIFE, WHEN, lane] == NEVER)
@@ -97,11 +97,11 @@ def _record_those_beyond(task, world, agent):
 def record_collisions(task, world):
     """Record the first potential and the first actual collision of every HAV.
 
-    Actual collisions between steps count if the task says so. In larger swarms, all pairs that may
-    have collided are among the candidates of the search for neighbours, which comes first.
+    Actual collisions between steps count if the task states so. In larger swarms, the candidates of
+    the neighbour search, which comes first, include all pairs that may have collided.
 
     Returns:
-        How many pairs of HAVs collided for the first time.
+        Number of pairs of HAVs that collided for the first time.
     """
     num_havs, news = world.state.x.shape[0], 0
     if num_havs > HANDFUL:
@@ -116,7 +116,7 @@ def record_collisions(task, world):
 def _record_in_lanes(task, world, agent, other):
     """Record the collisions of two HAVs in all lanes; see ``record_collisions``.
 
-    Most lanes have nothing to record; all lanes find that out at once.
+    Most lanes have nothing to record; one lane loop finds that out.
     """
     close, possible, news = world.nearby.num_pairs, 0, 0
     for lane in range(world.lanes):
@@ -147,7 +147,7 @@ def _record_candidates(task, world):
 
 @rare_kernel
 def _record_pair(task, world, agent, other, lane):
-    """Record the potential and the actual collision of two HAVs that are new; count them."""
+    """Record the new potential and actual collisions of two HAVs; return their number."""
     first, news = world.record.first, 0
     if _is_new(first, POTENTIAL, agent, other, lane) and (
         potential_collision(task, world, agent, other, lane)
@@ -162,7 +162,7 @@ def _record_pair(task, world, agent, other, lane):
 
 @kernel
 def _collided(task, world, agent, other, lane):
-    """Tell whether two HAVs touch; also whether they did since the step before, if it counts."""
+    """Return whether two HAVs touch, now or, if it counts, at any time since the step before."""
     bodies = world.fleet.bodies
     if task.continuous_collisions:
         return (

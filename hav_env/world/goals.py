@@ -32,12 +32,13 @@ from hav_env.world.arrays import (
     goal_under_way,
     into_truck_frame,
 )
+from hav_env.world.place.guidance import begin_route
 from hav_env.world.task import records
 
 
 @kernel
 def goal_distance(state, agent, lane):
-    """Return how far [m] the goal under way is."""
+    """Return the distance [m] to the goal under way."""
     dx = state.goal[agent, X, lane] - state.x[agent, lane]
     dy = state.goal[agent, Y, lane] - state.y[agent, lane]
     return math.sqrt(dx * dx + dy * dy)
@@ -45,13 +46,17 @@ def goal_distance(state, agent, lane):
 
 @kernel
 def goals_hit(world, agent, lane):
-    """Return how many goals a HAV has hit."""
+    """Return the number of goals that a HAV has hit."""
     return world.state.goal[agent, PHASE, lane] + (1.0 if world.state.waiting[agent, lane] else 0.0)
 
 
 @kernel
 def assign_goal(world, agent, lane, phase):
-    """Put one of a HAV's goals under way; record its Dubins distance with R_min."""
+    """Put one of a HAV's goals under way; find the route to it.
+
+    The length that is recorded is that of the Dubins path with R_min, whatever route there is: so
+    episodes are compared by one measure.
+    """
     state = world.state
     state.goal[agent, PHASE, lane] = phase
     state.waiting[agent, lane] = False
@@ -69,6 +74,7 @@ def assign_goal(world, agent, lane, phase):
     turn = heading - state.heading[agent, 0, lane]
     radius = world.fleet.radius[agent, STABLE, lane]
     goal = world.record.goal
+    begin_route(world.guidance, world, agent, lane)
     goal[agent, phase, DUBINS, lane] = path_length(forward, left, turn, radius)
     goal[agent, phase, CLOSEST, lane] = state.goal[agent, DISTANCE, lane]
 
@@ -78,7 +84,7 @@ def record_approach(task, world, agent):
     """Record the approach to the goal under way; let the HAV wait when it hits the goal.
 
     Returns:
-        In how many lanes a goal was hit.
+        Number of lanes in which a goal was hit.
     """
     state, near = world.state, 2.0 * task.distance_tolerance
     looks = 0
@@ -90,7 +96,7 @@ def record_approach(task, world, agent):
         closest = world.record.goal[agent, fixed(phase), CLOSEST]
         for lane in range(world.lanes):
             least = min(closest[lane], state.goal[agent, DISTANCE, lane])
-            # who waits may roll on
+            # a waiting HAV may roll on
             counts = (state.goal[agent, PHASE, lane] == phase) & (not state.waiting[agent, lane])
             closest[lane] = least if counts else closest[lane]
     return _look_closely(task, world, agent) if looks > 0 else 0
@@ -98,7 +104,7 @@ def record_approach(task, world, agent):
 
 @rare_kernel
 def _look_closely(task, world, agent):
-    """Look for hits and close misses in all lanes; return how many hits there are."""
+    """Look for hits and close misses in all lanes; return the number of hits."""
     state, hits = world.state, 0
     for lane in range(world.lanes):
         distance = state.goal[agent, DISTANCE, lane]
@@ -130,7 +136,7 @@ def _record_hit(world, agent, lane, distance, turn):
 
 @kernel
 def _record_miss(world, agent, lane, kind, distance, turn):
-    """Count a close miss; keep the narrowest one, by the measure that was missed."""
+    """Count a close miss; record the narrowest one, by the measure that was missed."""
     heading, miss = world.state.heading, world.record.miss
     at = agent, goal_under_way(world.state, agent, lane), kind
     narrowest, value = miss[(*at, MISS_DISTANCE, lane)], distance

@@ -1,4 +1,4 @@
-"""This module handles lanes: blocks of worlds, worlds that change places, the view of one."""
+"""This module handles lanes: blocks of worlds, worlds that change places, views of one world."""
 
 from typing import Any
 
@@ -6,14 +6,15 @@ import numpy as np
 
 from hav_env.compiled import VECTOR, generic, kernel, lanes_from, rare_kernel
 from hav_env.world.arrays import Fleet, Nearby, Record, State, World
+from hav_env.world.place.guidance import Dubins, OnFeasible, OnLattices, OnRoads, OnWitnesses
 from hav_env.world.place.segments import Obstacles, Plane
 from hav_env.world.units.parts import Hitches, Lines, OnAxles, Outlines, part_from
 
 LANES = 64  # worlds of a block: few enough for the nearest cache, many enough for whole vectors
-# the same where observations and rewards are written as well: these rows are many, and longer
-# ones are read ahead
+# the same for kernels that also write observations and rewards: they have many rows, and the
+# processor prefetches longer ones
 OBSERVED_LANES = 128
-APART = OBSERVED_LANES + VECTOR  # rows at this distance do not drive each other out of the cache
+APART = OBSERVED_LANES + VECTOR  # rows at this distance do not evict each other from the cache
 
 
 @kernel
@@ -59,6 +60,7 @@ def block_of(worlds, first, lanes, units):
             lanes_from(record.miss, first),
         ),
         part_from(worlds.place, first),
+        part_from(worlds.guidance, first),
         worlds.first + first,
         lanes,
         units,
@@ -70,7 +72,7 @@ def block_of(worlds, first, lanes, units):
 def moving_block(world, agent):
     """Return the lanes in which a HAV moves, as a block whose loops reach to its last unit there.
 
-    It may wait in some lanes between, and at the ends, which are at whole vectors where possible.
+    The HAV may wait in some lanes between, and in lanes that extend the block to whole vectors.
     """
     first, end = 0, world.lanes
     while first < end and world.state.waiting[agent, first]:
@@ -93,7 +95,7 @@ def rolling_block(world, agent):
 
 @kernel
 def _block_between(world, agent, first, end):
-    """Return the lanes from one to before another as a block, at whole vectors where possible."""
+    """Return the lanes from ``first`` to before ``end`` as a block of whole vectors if possible."""
     longest = 0
     first = first // VECTOR * VECTOR
     end = min((end + VECTOR - 1) // VECTOR * VECTOR, world.lanes)
@@ -104,7 +106,7 @@ def _block_between(world, agent, first, end):
 
 @kernel
 def exchange_lanes(one, lane, other, to):
-    """Exchange a lane of an array with a lane of another one, or of its own."""
+    """Exchange a lane of an array with a lane of another array, or of the same one."""
     for index in np.ndindex(one.shape[:-1]):
         kept = other[(*index, to)]
         other[(*index, to)] = one[(*index, lane)]
@@ -113,12 +115,13 @@ def exchange_lanes(one, lane, other, to):
 
 @generic
 def exchange_parts(one, other, lane, to):
-    """Exchange a lane of a part of a fleet with a lane of another one, or of its own."""
+    """Exchange a lane of a part of a fleet with a lane of another part, or of the same one."""
 
 
 @exchange_parts.register(OnAxles)
 @exchange_parts.register(Lines)
 @exchange_parts.register(Plane)
+@exchange_parts.register(Dubins)
 def _exchange_nothing(one, other, lane, to):
     pass
 
@@ -142,12 +145,35 @@ def _exchange_obstacles(one, other, lane, to):
     exchange_lanes(one.driven, lane, other.driven, to)
 
 
+@exchange_parts.register(OnLattices)
+def _exchange_on_lattices(one, other, lane, to):
+    exchange_lanes(one.table, lane, other.table, to)
+    exchange_lanes(one.route, lane, other.route, to)
+
+
+@exchange_parts.register(OnRoads)
+def _exchange_on_roads(one, other, lane, to):
+    exchange_lanes(one.under_way, lane, other.under_way, to)
+    exchange_lanes(one.route, lane, other.route, to)
+
+
+@exchange_parts.register(OnWitnesses)
+def _exchange_on_witnesses(one, other, lane, to):
+    exchange_lanes(one.route, lane, other.route, to)
+
+
+@exchange_parts.register(OnFeasible)
+def _exchange_on_feasible(one, other, lane, to):
+    exchange_lanes(one.route, lane, other.route, to)
+    exchange_lanes(one.plan, lane, other.plan, to)
+
+
 @rare_kernel
 def exchange_worlds(one, lane, other, to):
     """Exchange the worlds in two lanes of batches of the same shapes, or of one batch.
 
-    Scratch stays: whoever uses it begins anew. So do lists of candidates, which hold for any HAVs
-    that are in their circles.
+    Scratch is not exchanged: its users initialise it. Nor are lists of candidates, which hold for
+    any HAVs in their circles.
     """
     exchange_lanes(one.state.x, lane, other.state.x, to)
     exchange_lanes(one.state.y, lane, other.state.y, to)
@@ -167,6 +193,7 @@ def exchange_worlds(one, lane, other, to):
     exchange_parts(one.fleet.bodies, other.fleet.bodies, lane, to)
     exchange_lanes(one.goals, lane, other.goals, to)
     exchange_parts(one.place, other.place, lane, to)
+    exchange_parts(one.guidance, other.guidance, lane, to)
     _exchange_neighbors(one, lane, other, to)
     exchange_dues(one.place, one.first + lane, other.place, other.first + to)
     exchange_lanes(one.nearby.were, lane, other.nearby.were, to)
@@ -178,7 +205,7 @@ def exchange_worlds(one, lane, other, to):
 
 @generic
 def exchange_dues(one, w, other, to):
-    """Exchange how far HAVs have to be driven for segments to be due, of two worlds by number."""
+    """Exchange the distances at which segments are due, of two worlds by index."""
 
 
 @exchange_dues.register(Plane)
@@ -197,7 +224,7 @@ def _exchange_dues_of_worlds(one, w, other, to):
 
 @kernel
 def _exchange_neighbors(one, lane, other, to):
-    """Exchange the neighbours of two worlds, as far as there are any."""
+    """Exchange the neighbours of two worlds, as many as there are."""
     counts, to_counts = one.nearby.count, other.nearby.count
     index, to_index = one.nearby.index[one.first + lane], other.nearby.index[other.first + to]
     for agent in range(counts.shape[0]):
@@ -225,6 +252,7 @@ def view_of(worlds: World, w: int) -> World:
         Nearby(nearby.count[..., w], *of_world, nearby.grid[w], nearby.were[..., w]),
         view(worlds.record),
         _view_of_place(worlds.place, w),
+        _view_of_guidance(worlds.guidance, w),
         w,
         1,
         worlds.units,
@@ -238,3 +266,10 @@ def _view_of_place(place: Any, w: int) -> Any:
         return place
     parts = place._asdict().items()
     return Obstacles(*(part[w] if name == "due" else part[..., w] for name, part in parts))
+
+
+def _view_of_guidance(guidance: Any, w: int) -> Any:
+    """Return the guidance of one world, as ``view_of`` does; all worlds share lattices."""
+    shared = "lattices", "widening"
+    fields = guidance._asdict().items()
+    return guidance._replace(**{k: part[..., w] for k, part in fields if k not in shared})

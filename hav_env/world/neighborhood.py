@@ -1,15 +1,16 @@
 """This module finds the neighbours of each HAV within sensing range.
 
-Every HAV has a circle round its truck's rear axle. Its radius is the reach of the HAV and half the
-sensing range, or more where the task has wider circles for potential collisions. Two HAVs whose
-circles do not overlap neither sense each other nor collide.
+Every HAV has a circle round its truck's rear axle. Its radius is the sum of the HAV's reach and
+half the sensing range, or more if the task has wider circles for potential collisions. Two HAVs
+whose circles do not overlap neither sense each other nor collide.
 
-All pairs of a handful of HAVs are compared in every step, in lanes, and no list is kept. In larger
-swarms a list keeps candidates from step to step: the pairs whose circles overlapped when each was
-wider by a margin. It holds as long as the circle of every HAV lies within its wide one of then.
-That is so whatever has moved the HAVs, and whichever world is in the lane.
+In small worlds, all pairs of HAVs are compared in every step, in lanes, and no list is kept. In
+larger swarms, a list of candidates persists between steps: the pairs whose circles, widened by a
+margin, overlapped when the list was made. The list is valid while the circle of every HAV lies
+within its widened circle of that time. The rule holds whatever has moved the HAVs, and whichever
+world is in the lane.
 
-The candidates of a large swarm are found by the cells of a grid, not among all pairs.
+In a large swarm, the cells of a grid limit the pairs that are compared for the list.
 """
 
 from hav_env.compiled import fixed, kernel, rare_kernel
@@ -31,17 +32,18 @@ from hav_env.world.arrays import (
 )
 from hav_env.world.collision import AXLE_ROUNDING, circle_radius, reach, squared_distance, within
 
-# of the longest radius of a world: wider lists hold more candidates, narrower ones hold less long
+# share of the longest radius of a world: wider lists hold more candidates, narrower ones are valid
+# for fewer steps
 _MARGIN = 0.1
-# a little wider, for rounding may move circles that just touch apart
+# slightly wider, because rounding may separate circles that just touch
 _WIDER = 1.0 + 1e-9
 
 
 @kernel
 def find_nearby(task, world):
-    """List for every HAV the others in sensing range, in ascending order.
+    """List, for every HAV, the others in sensing range, in ascending order.
 
-    In range is who is at most both reaches and the sensing range away.
+    A HAV is in range if its distance is at most both reaches plus the sensing range.
     """
     num_havs = world.state.x.shape[0]
     for agent in range(num_havs):
@@ -55,7 +57,7 @@ def find_nearby(task, world):
 
 @kernel
 def _compare_all(task, world):
-    """Compare all pairs of a handful of HAVs, each in all lanes at once."""
+    """Compare all pairs of HAVs in a small world, each pair in all lanes at once."""
     num_havs = world.state.x.shape[0]
     for number in range(num_havs):
         for second in range(number + 1, num_havs):
@@ -68,7 +70,7 @@ def _compare_all(task, world):
 
 @kernel
 def _compare_candidates(task, world):
-    """Compare the pairs on the list of candidates of each lane, which is made anew if need be."""
+    """Compare the pairs on the list of candidates of each lane; renew the list if necessary."""
     _check_candidates(task, world)
     for lane in range(world.lanes):
         if world.nearby.num_pairs[lane] < 0:
@@ -77,7 +79,7 @@ def _compare_candidates(task, world):
         pair = world.nearby.pair[world.first + lane]
         for place in range(world.nearby.num_pairs[lane]):
             agent, other = as_place(pair[place, LOWER]), as_place(pair[place, HIGHER])
-            # pairs come in ascending order, so each list does
+            # pairs come in ascending order, so each list is in ascending order
             near = 1 if in_range(task, world, agent, other, lane) else 0
             _append(world, agent, other, lane, near)
             _append(world, other, agent, lane, near)
@@ -86,9 +88,9 @@ def _compare_candidates(task, world):
 
 @kernel
 def may_touch(task, world, agent, other, lane):
-    """Tell whether two HAVs, or their circles of the task, are so near that they may touch.
+    """Return whether two HAVs, or their circles of the task, are so near that they may touch.
 
-    Where collisions between steps count, all who sense each other may have touched.
+    If collisions between steps count, all HAVs that sense each other may have touched.
     """
     reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
     circles = circle_radius(task, world.fleet, agent, lane)
@@ -101,16 +103,16 @@ def may_touch(task, world, agent, other, lane):
 
 @kernel
 def in_range(task, world, agent, other, lane):
-    """Tell whether two HAVs are in sensing range of each other."""
+    """Return whether two HAVs are in sensing range of each other."""
     reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
     return within(squared_distance(world, agent, other, lane), reaches + task.sensing_range)
 
 
 @kernel
 def _append(world, agent, other, lane, near):
-    """Write a HAV behind the neighbours of another; it counts as one of them if ``near`` is 1.
+    """Write a HAV after the neighbours of another; it counts as one of them if ``near`` is 1.
 
-    A branch would often be mispredicted.
+    The processor would often mispredict a branch here.
     """
     place = as_place(world.nearby.count[agent, lane])
     world.nearby.index[world.first + lane, agent, place] = other
@@ -119,28 +121,28 @@ def _append(world, agent, other, lane, near):
 
 @kernel
 def _radius(task, world, agent, lane):
-    """Return the radius [m] of the circle of a HAV: for who senses it, and for who touches it."""
+    """Return the radius [m] of the circle of a HAV, for sensing and for contact."""
     sensed = reach(world.fleet, agent, lane) + 0.5 * task.sensing_range
     return max(sensed, circle_radius(task, world.fleet, agent, lane))
 
 
 @kernel
 def _check_candidates(task, world):
-    """Set the number of candidates below 0 in lanes where the list no longer holds."""
+    """Set the number of candidates below 0 in lanes whose list is no longer valid."""
     state, circle, num_pairs = world.state, world.nearby.circle, world.nearby.num_pairs
     for agent in range(state.x.shape[0]):
         for lane in range(world.lanes):
             dx = state.x[agent, lane] - circle[agent, CENTER_X, lane]
             dy = state.y[agent, lane] - circle[agent, CENTER_Y, lane]
             room = circle[agent, RADIUS, lane] - _radius(task, world, agent, lane)
-            # a place that is no number is in no circle
+            # a position that is not a number is in no circle
             holds = (room >= 0.0) & (dx * dx + dy * dy <= room * room)
             num_pairs[lane] = num_pairs[lane] if holds else -1
 
 
 @rare_kernel
 def _list_candidates(task, world, lane):
-    """List the candidates of one world anew, and the circles in which the list holds."""
+    """List the candidates of one world anew, and the circles in which the list is valid."""
     state, circle = world.state, world.nearby.circle
     num_havs, longest = state.x.shape[0], 0.0
     for agent in range(num_havs):
@@ -161,7 +163,7 @@ def _list_candidates(task, world, lane):
 
 @kernel
 def _list_pair(world, agent, other, lane):
-    """Put a pair on the list if its wide circles overlap."""
+    """Put a pair on the list if its widened circles overlap."""
     nearby = world.nearby
     circle, pair = nearby.circle, nearby.pair[world.first + lane]
     dx = circle[other, CENTER_X, lane] - circle[agent, CENTER_X, lane]
@@ -177,7 +179,8 @@ def _list_pair(world, agent, other, lane):
 def _search_grid(world, longest, lane):
     """List the candidates of one world, sorted into buckets by the square cells of a grid.
 
-    All lanes of a block use the same scratch. Nobody whose circle overlaps is beyond the next cell.
+    All lanes of a block use the same scratch. HAVs whose circles overlap are in the same cell or in
+    neighbouring cells.
     """
     grid = world.nearby.grid[world.first]
     _fill_buckets(world, grid, longest, lane)
@@ -192,15 +195,16 @@ def _search_grid(world, longest, lane):
 
 @kernel
 def _bucket_of(grid, column, row):
-    # two odd primes spread neighbouring cells; the number of buckets is a power of two, and the
-    # bits that it cuts off are cut off before, for products of far cells have more than 64
+    # two odd primes spread neighbouring cells. The number of buckets is a power of two; the bits
+    # that it drops are dropped first, because products of far cells have more than 64
     bits = grid.shape[1] - 1
     return ((column & bits) * 73856093 ^ (row & bits) * 19349663) & bits
 
 
 @kernel
 def _fill_buckets(world, grid, longest, lane):
-    # a little larger still, for two HAVs just one cell apart may be rounded into cells two apart
+    # still slightly larger, because rounding may put two HAVs just one cell apart into cells two
+    # apart
     size = 2.0 * longest * _WIDER * _WIDER
     for bucket in range(grid.shape[1]):
         grid[BUCKET, bucket] = -1
@@ -216,9 +220,9 @@ def _fill_buckets(world, grid, longest, lane):
 
 @kernel
 def _search_cell(world, grid, agent, column, row, lane):
-    """Look at the HAVs in one cell; a bucket holds them in descending order."""
+    """Compare a HAV with the HAVs in one cell; a bucket holds them in descending order."""
     other = grid[BUCKET, _bucket_of(grid, column, row)]
-    while other > agent:  # a pair is looked at once
+    while other > agent:  # each pair is compared once
         if grid[COLUMN, other] == column and grid[ROW, other] == row:
             _list_pair(world, agent, other, lane)
         other = grid[NEXT, other]
@@ -226,7 +230,7 @@ def _search_cell(world, grid, agent, column, row, lane):
 
 @kernel
 def _sort(pair, begin, end):
-    """Sort pairs with the same first HAV by their second ones."""
+    """Sort pairs with the same first HAV by their second one."""
     for last in range(begin + 1, end):
         other, slot = pair[last, HIGHER], last
         while slot > begin and pair[slot - 1, HIGHER] > other:

@@ -1,6 +1,7 @@
-"""This module tells where another HAV is, as seen from a HAV's truck: its place, heading, bodies.
+"""This module describes another HAV in the frame of a HAV's truck: position, heading, bodies.
 
-The other HAV is given by its number; ``hav_env.world.sensing`` finds it in the list of neighbours.
+The caller passes the index of the other HAV; ``hav_env.world.sensing`` finds it in the list of
+neighbours.
 """
 
 import math
@@ -20,7 +21,7 @@ FRONT_X, FRONT_Y, NEAREST_X, NEAREST_Y, LEAST_SQUARED, CHAIN_ROWS = range(6)
 
 @kernel
 def place_of(world, agent, other, lane):
-    """Return where the truck's rear axle of another HAV is: forward [m], left [m]."""
+    """Return the position of another truck's rear axle: forward [m], left [m]."""
     state = world.state
     dx = state.x[other, lane] - state.x[agent, lane]
     dy = state.y[other, lane] - state.y[agent, lane]
@@ -37,9 +38,9 @@ def direction_of(world, agent, other, lane):
 
 @generic
 def nearest_on_unit(bodies, world, agent, unit, lane, front_x, front_y, x, y):
-    """Return the point of the body of a unit that is nearest to a place [m], given its front end.
+    """Return the point of a unit's body that is nearest to a position [m], given its front end.
 
-    Beyond the HAV's last unit it is the front end, which is a point of the unit before.
+    Beyond the HAV's last unit it is the front end, which is a point of the last unit.
     """
 
 
@@ -58,16 +59,16 @@ def _nearest_on_rectangle_of(bodies, world, agent, unit, lane, front_x, front_y,
 
 @kernel
 def find_nearest_points(world, agent, other, chain):
-    """Find in all lanes where the bodies of another HAV are nearest to the own rear axle.
+    """Find, in all lanes, the point of another HAV's bodies that is nearest to the own rear axle.
 
-    In one lane ``nearest_on_bodies`` does the same, with a loop over the units inside.
+    In one lane ``nearest_on_bodies`` computes the same, with a loop over the units inside.
 
     Args:
-        world: a block.
-        agent: which HAV.
-        other: which other HAV, the same in all lanes.
-        chain: (CHAIN_ROWS, L) scratch; rows NEAREST_X and NEAREST_Y become the point, seen from the
-            truck: forward [m], left [m].
+        world: Block of worlds.
+        agent: Index of the HAV.
+        other: Index of the other HAV, the same in all lanes.
+        chain: (CHAIN_ROWS, L) scratch; rows NEAREST_X and NEAREST_Y become the point in the truck's
+            frame: forward [m], left [m].
     """
     state, bodies = world.state, world.fleet.bodies
     for lane in range(world.lanes):
@@ -75,7 +76,8 @@ def find_nearest_points(world, agent, other, chain):
         chain[FRONT_X, lane] = chain[NEAREST_X, lane] = x
         chain[FRONT_Y, lane] = chain[NEAREST_Y, lane] = y
         chain[LEAST_SQUARED, lane] = math.inf
-    for number in range(state.heading.shape[1]):  # the block's loops may end where the own HAV does
+    # the block's loops may end at the last unit of the own HAV
+    for number in range(state.heading.shape[1]):
         unit = fixed(number)
         for lane in range(world.lanes):
             x, y = state.x[agent, lane], state.y[agent, lane]

@@ -17,7 +17,7 @@ from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Lines, Outlines
 def rectangle_of(bodies, world, agent, unit, lane, x, y):
     """Return the body of a unit, given its front end [m], as ``hav_env.maths.rectangles`` takes it.
 
-    A unit beyond the HAV's last is a point, its front end, which is where the last axle is.
+    A unit beyond the HAV's last is a point: its front end, at the last axle.
     """
     present = unit <= world.fleet.num_trailers[agent, lane]
     length = world.fleet.length[agent, unit, lane] if present else 0.0
@@ -110,7 +110,7 @@ def _line_as_rectangle(bodies, world, agent, unit, lane, x, y):
 
 @generic
 def margin_of(bodies, agent, unit, lane):
-    """Return how far at most [m] the body of a unit reaches from the line between its ends."""
+    """Return the largest distance [m] of the body of a unit from the line between its ends."""
 
 
 @margin_of.register(Lines)

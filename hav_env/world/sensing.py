@@ -1,8 +1,8 @@
 """This module senses for one HAV: itself, its goal, and its neighbours, in its own frame.
 
-The frame's origin is the rear axle of the HAV's truck, and "forward" is along the truck. Policies
-read the world through these functions alone. That is the decentralisation contract of the paper. It
-also makes every policy indifferent to where in the plane the world lies.
+The origin of the frame is the rear axle of the HAV's truck, and "forward" points along the truck.
+Policies read the world only through these functions. This is the decentralisation contract of the
+paper. It also makes every policy independent of the position of the world in the plane.
 """
 
 import math
@@ -36,32 +36,33 @@ from hav_env.world.collision import front_gap, offset_between
 from hav_env.world.obstacles.nearest import num_obstacles, obstacle_point  # noqa: F401  sensed too
 from hav_env.world.obstacles.rays import ray  # noqa: F401  likewise
 from hav_env.world.other_havs import direction_of, place_of
+from hav_env.world.place.guidance import route_of
 
 
 @kernel
 def num_trailers(world: World, agent: int, lane: int) -> int:
-    """Return N_i."""
+    """Return N_i, the number of trailers."""
     return world.fleet.num_trailers[agent, lane]
 
 
 @kernel
 def unit_length(world: World, agent: int, unit: int, lane: int) -> float:
-    """Return l^unit [m]; unit 0 is the truck."""
+    """Return l^unit [m], the length of a unit; unit 0 is the truck."""
     return world.fleet.length[agent, unit, lane]
 
 
 @kernel
 def stable_radius(world: World, agent: int, lane: int) -> float:
-    """Return R_min [m], eq. (rmin)."""
+    """Return R_min [m], eq. (17)."""
     return world.fleet.radius[agent, STABLE, lane]
 
 
 @kernel
 def drivable_radius(world: World, agent: int, lane: int) -> float:
-    """Return the radius of the tightest circle to drive on for good [m].
+    """Return the radius of the tightest circle that the HAV can follow permanently [m].
 
-    It is R_min, below which trailers may jackknife, or what the wheels allow, l^0 / tan(phi^max),
-    where that is larger: for long trucks with short trailers.
+    It is the larger of R_min, below which trailers may jackknife, and the smallest radius of the
+    wheels, l^0 / tan(phi^max). The latter is larger for long trucks with short trailers.
     """
     cosine, sine = steering_direction(world, agent, lane)
     return max(
@@ -85,7 +86,7 @@ def steering_direction(world: World, agent: int, lane: int) -> tuple[float, floa
 
 @kernel
 def own_speed(world: World, agent: int, lane: int) -> float:
-    """Return the speed in the last step [m/s]; a HAV that waits has none, unless it brakes."""
+    """Return the speed in the last step [m/s]; it is 0 for a waiting HAV, unless it brakes."""
     stands = world.state.waiting[agent, lane] & (not world.rolls)
     return 0.0 if stands else world.state.speed[agent, lane]
 
@@ -94,8 +95,8 @@ def own_speed(world: World, agent: int, lane: int) -> float:
 def own_steering(world: World, agent: int, lane: int) -> float:
     """Return the steering angle in the last step [rad], left positive.
 
-    Where wheels turn at once, those of a HAV that stood are straight: it may have waited, and then
-    what was commanded is void.
+    If wheels turn without delay, a HAV that stood has straight wheels: it may have waited, and the
+    commands of waiting HAVs are void.
     """
     known = world.rolls | (own_speed(world, agent, lane) != 0.0)
     return world.state.steering[agent, lane] if known else 0.0
@@ -139,42 +140,48 @@ def goal_direction(world: World, agent: int, lane: int) -> tuple[float, float]:
 
 
 @kernel
-def waits(world: World, agent: int, lane: int) -> bool:
-    """Tell whether the HAV waits at its goal: for the others, or because it was the last one.
+def route_ahead(world: World, agent: int, lane: int) -> tuple[bool, float, float, float, float]:
+    """Return the route to the goal that the guidance knows, see ``route_of``."""
+    return route_of(world.guidance, agent, lane)
 
-    Where next goals come alone, it waits at its last goal only.
+
+@kernel
+def waits(world: World, agent: int, lane: int) -> bool:
+    """Return whether the HAV waits at its goal, for the others or because it was its last one.
+
+    If HAVs get next goals alone, it waits at its last goal only.
     """
     return world.state.waiting[agent, lane]
 
 
 @kernel
 def goals_left(world: World, agent: int, lane: int) -> int:
-    """Return how many goals the HAV has yet to hit."""
+    """Return the number of goals that the HAV has yet to hit."""
     hit = world.state.goal[agent, PHASE, lane] + (1.0 if world.state.waiting[agent, lane] else 0.0)
     return world.goals.shape[1] - int(hit)
 
 
 @kernel
 def num_neighbors(world: World, agent: int, lane: int) -> int:
-    """Return how many other HAVs are in sensing range."""
+    """Return the number of other HAVs in sensing range."""
     return world.nearby.count[agent, lane]
 
 
 @kernel
 def neighbor_id(world: World, agent: int, k: int, lane: int) -> int:
-    """Return the number of the HAV that is neighbour ``k``; neighbours come in ascending order."""
+    """Return the index of the HAV that is neighbour ``k``; neighbours come in ascending order."""
     return as_place(world.nearby.index[world.first + lane, agent, k])
 
 
 @kernel
 def neighbor_position(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
-    """Return where the truck's rear axle of neighbour ``k`` is: forward [m], left [m]."""
+    """Return the position of the truck's rear axle of neighbour ``k``: forward [m], left [m]."""
     return place_of(world, agent, neighbor_id(world, agent, k, lane), lane)
 
 
 @kernel
 def neighbor_distance(world: World, agent: int, k: int, lane: int) -> float:
-    """Return the distance [m] from truck to truck of neighbour ``k``."""
+    """Return the distance [m] between the own truck and the truck of neighbour ``k``."""
     return truck_distance(world.state, agent, neighbor_id(world, agent, k, lane), lane)
 
 
@@ -182,7 +189,7 @@ def neighbor_distance(world: World, agent: int, k: int, lane: int) -> float:
 def neighbor_point(
     world: World, agent: int, k: int, share: float, lane: int
 ) -> tuple[float, float]:
-    """Return where a point of the truck of neighbour ``k`` is, seen from the own truck's same one.
+    """Return the position of a point of neighbour ``k``'s truck relative to the own same point.
 
     The points lie a share of the truck's length ahead of its rear axle: forward [m], left [m].
     """
@@ -224,7 +231,7 @@ def neighbor_length(world: World, agent: int, k: int, unit: int, lane: int) -> f
 
 @kernel
 def neighbor_trailers(world: World, agent: int, k: int, lane: int) -> int:
-    """Return how many trailers neighbour ``k`` pulls."""
+    """Return the number of trailers of neighbour ``k``."""
     return world.fleet.num_trailers[neighbor_id(world, agent, k, lane), lane]
 
 
@@ -238,7 +245,7 @@ def neighbor_articulation(
 
 @kernel
 def neighbor_nearest_point(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
-    """Return the point of the bodies of neighbour ``k`` that is nearest: forward [m], left [m]."""
+    """Return the nearest point of the bodies of neighbour ``k``: forward [m], left [m]."""
     state, other = world.state, neighbor_id(world, agent, k, lane)
     x, y = state.x[agent, lane], state.y[agent, lane]
     px, py = nearest_on_bodies(world.fleet.bodies, world, other, lane, x, y)
@@ -249,7 +256,7 @@ def neighbor_nearest_point(world: World, agent: int, k: int, lane: int) -> tuple
 def neighbor_before_front(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return the point of the bodies of neighbour ``k`` that is nearest to the own front.
 
-    It is seen from there: forward [m], left [m].
+    It is relative to the own front: forward [m], left [m].
     """
     x, y = front_end(world.fleet.bodies, world, agent, lane)
     other = neighbor_id(world, agent, k, lane)
@@ -267,7 +274,7 @@ def neighbor_front_gap(world: World, agent: int, k: int, lane: int) -> float:
 def neighbor_speed(world: World, agent: int, k: int, lane: int) -> float:
     """Return the speed of neighbour ``k`` in the last step [m/s].
 
-    One that waits has none, unless it brakes (``hav_env.vehicles.Limited``).
+    It is 0 for a waiting neighbour, unless it brakes (``hav_env.vehicles.Limited``).
     """
     return own_speed(world, neighbor_id(world, agent, k, lane), lane)
 
@@ -280,6 +287,6 @@ def own_footprint(world: World, agent: int, lane: int) -> float:
 
 @kernel
 def episode_key(world: World, lane: int) -> tuple[int, int, int]:
-    """Return seed, number of the episode and step: the clock and dice that all HAVs share."""
+    """Return seed, number of the episode and step: the clock and random numbers that HAVs share."""
     clock = world.state.clock
     return clock[SEED, lane], clock[EPISODE, lane], clock[STEP, lane]

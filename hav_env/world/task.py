@@ -15,7 +15,7 @@ from hav_env.models.quantities import (
     Tolerance,
 )
 
-# what compiled code sees of a word: its place among those that are allowed
+# compiled code sees the index of a word among the allowed ones
 ALONE = IN_TURN = REMOVE = END = 1
 
 
@@ -25,58 +25,71 @@ class Task(NamedTuple):
     dt: Duration = 0.2
     """Duration of a step [s]."""
     distance_tolerance: Tolerance = 0.5
-    """A goal is hit when the truck's rear axle is less than this away, d_e^G [m], ..."""
+    """Distance tolerance of goals d_e^G [m]: a hit needs the truck's rear axle nearer than that."""
     heading_tolerance: AngleTolerance = 0.1
-    """... and its heading differs by less than this, d_h^G [rad]."""
+    """Heading tolerance of goals d_h^G [rad]: a hit also needs a heading difference below that."""
     goal_speed: GoalSpeed = math.inf
-    """A goal is hit only when the truck is at most this fast [m/s]. It matters to vehicles that
-    brake at their goals (``Limited``): the slower they arrive, the less far they roll on."""
+    """Largest speed of the truck at which a goal is hit [m/s]. It matters for vehicles that brake
+    at their goals (``Limited``): the slower they arrive, the less they roll on.
+    """
     max_steps: Steps = 20_000
-    """An episode ends after this many steps, if not all last goals were hit before."""
+    """Number of steps after which an episode ends, if not all last goals were hit before."""
     sensing_range: Distance = 30.0
-    """A HAV senses another when the gap between their reaches is at most this [m]. The paper needs
-    the collision distance only (0); more serves policies that look ahead."""
+    """Largest gap between the reaches of two HAVs at which they sense each other [m]. The paper
+    needs the collision distance only (0); a larger value serves policies that look ahead.
+    """
     next_goal: Literal["together", "alone"] = "together"
-    """When a HAV gets its next goal: together with all others, once every HAV has hit its goal; or
-    alone, as soon as it has hit its own. The text says together: "Once every HAV has reached its
-    first goal, all [...] are assigned their second goal". The published second goals of pairs
-    speak for alone (docs/reproduction.md)."""
+    """When a HAV gets its next goal. ``together``: once every HAV has hit its goal. ``alone``: as
+    soon as it has hit its own. The text states ``together``: "Once every HAV has reached its first
+    goal, all [...] are assigned their second goal". The published second goals of pairs support
+    ``alone`` (docs/reproduction.md).
+    """
     order: Literal["at_once", "in_turn"] = "at_once"
-    """Whether all HAVs decide on the state before the step and then move at once, or one after the
-    other decides and moves: HAV 1 sees where HAV 0 has gone. The text is silent; the published
-    first goals of pairs speak for in turn where circles are wide. Who is within sensing range is
-    found once, before the step. Environments refuse in turn: they take all actions together."""
+    """Order of decisions. ``at_once``: all HAVs decide on the state before the step and then move.
+    ``in_turn``: they decide and move one after another, so HAV 1 senses HAV 0 after its move. The
+    text does not state it; the published first goals of pairs support ``in_turn`` with wide
+    circles. The neighbours in sensing range are found once, before the step. Environments reject
+    ``in_turn``, because they take all actions together.
+    """
     on_goal: Literal["park", "remove"] = "park"
-    """A HAV that has hit its last goal stays there, an obstacle to others, or leaves the world."""
+    """Rule for a HAV that has hit its last goal. ``park``: it stays there, an obstacle to others.
+    ``remove``: it leaves the world.
+    """
     on_jackknife: Literal["record", "end"] = "record"
-    """A jackknife is recorded and the episode goes on, or it ends the episode."""
+    """Rule for a jackknife. ``record``: the episode continues. ``end``: the episode ends."""
     on_collision: Literal["record", "end"] = "record"
-    """The same for an actual collision."""
+    """Rule for an actual collision: the same."""
     on_obstacle: Literal["record", "end"] = "record"
-    """The same for a collision with an obstacle, where there are any."""
+    """Rule for a collision with an obstacle: the same."""
     continuous_collisions: bool = False
-    """Look for actual collisions between steps too, where every axle goes straight from its place
-    before the step to its place after it; among HAVs that sense each other. The paper's figures
-    are those of the steps."""
+    """Whether to look for actual collisions between steps too, among HAVs that sense each other.
+    Every axle then moves straight from its position before the step to its position after it. The
+    paper's figures use the steps only.
+    """
     record_every: Steps = 1
-    """Look for jackknifes, collisions and close misses after every so many steps only, as a program
-    does that keeps every so many poses. The text is silent; such a program would miss short
-    jackknifes and collisions. HAVs stop at their goals as they do otherwise. The largest
-    articulation, and with it "folded through", is that of all steps."""
+    """Period [steps] of the search for jackknifes, collisions and close misses, as in a program
+    that keeps every so many poses. The text does not state it; such a program would miss short
+    jackknifes and collisions. The period does not affect stops at goals. The largest articulation,
+    and with it "folded through", covers all steps.
+    """
     potential_center: Share = 0.0
-    """Where the circles of potential collisions lie: this share of the truck's length ahead of its
-    rear axle. The text puts them round the rear axle (0). Round the truck's centre (0.5), with half
-    of the truck in the distance, they hold the whole HAV, and the published collisions of pairs
-    come near. Area and placement go by the text. Drawings show the text's circles."""
+    """Centre of the circles of potential collisions, as a share of the truck's length ahead of its
+    rear axle. The text uses the rear axle (0). The alternative is the truck's centre (0.5), with
+    half of the truck in the distance. The circles then cover the whole HAV, and the results are
+    near the published collisions of pairs. Area and placement follow the text. Drawings show the
+    text's circles.
+    """
     potential_truck_share: Share = 0.0
-    """Share of both trucks' lengths that the distance of a potential collision counts on top of the
-    trailers. The text counts trailers alone (0); a truck may be longer than all of them, and the
-    few published actual collisions read as if it counted. Area and placement go by the text."""
+    """Share of both trucks' lengths that the distance of a potential collision adds to the
+    trailers' lengths. The text counts trailers alone (0). A truck may be longer than all of them,
+    and the low number of published actual collisions suggests that the truck counted. Area and
+    placement follow the text.
+    """
 
 
 @kernel
 def records(task, step):
-    """Tell whether events are looked for after this step."""
+    """Return whether kernels look for events after this step."""
     return task.record_every == 1 or step % task.record_every == 0
 
 
@@ -90,8 +103,8 @@ def set_rules(task: Task, **rules) -> Task:
     """Return the task with other rules, checked: ``set_rules(Task(), on_goal="remove")``.
 
     Raises:
-        TypeError: when this is no task, there is no such rule, or a value is of another kind.
-        ValueError: when a value is not allowed.
+        TypeError: If this is not a task, a rule does not exist, or a value has another type.
+        ValueError: If a value is not allowed.
     """
     check_value("task", Task, task)
     unknown = sorted(set(rules) - set(Task._fields))
@@ -103,10 +116,10 @@ def set_rules(task: Task, **rules) -> Task:
 
 
 def check_at_once(task: Task) -> None:
-    """Check that HAVs decide at once, as they must where their commands come from outside.
+    """Check that HAVs decide at once, as required if their commands come from outside.
 
     Raises:
-        ValueError: when they decide in turn.
+        ValueError: If they decide in turn.
     """
     if task.order in ("in_turn", IN_TURN):
         raise ValueError(
@@ -119,7 +132,7 @@ def check_task(task: Task) -> None:
     """Check the rules of an episode.
 
     Raises:
-        TypeError: when this is no task, or a field has a value of another kind.
-        ValueError: naming the field, its value and what is allowed.
+        TypeError: If this is not a task, or a field has a value of another type.
+        ValueError: If a field is invalid; the message names it, its value and the rule.
     """
     check_value("task", Task, task)

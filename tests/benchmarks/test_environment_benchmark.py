@@ -1,4 +1,4 @@
-"""The benchmark of the environments compares like with like; how fast they are is not tested."""
+"""The benchmark of the environments compares like with like; no test asserts speed."""
 
 import json
 

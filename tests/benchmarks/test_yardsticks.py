@@ -1,4 +1,4 @@
-"""The same step written twice more, in plain Python and in NumPy, ends where the simulator does."""
+"""The same step, written also in plain Python and in NumPy, ends at the simulator's state."""
 
 from benchmarks.yardsticks.driving import check
 

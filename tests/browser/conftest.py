@@ -13,7 +13,7 @@ from baselines.replay.web_page import write_replay
 from hav_env import OffAxle, RandomPoses, Rectangles, Task, catalogue_fleet
 from tests.browser.page_driver import state, wait_for
 from tests.support.budgets import budget
-from tests.support.recorded import driven_into_wall
+from tests.support.recorded import arrives_in_reserved_area, driven_into_wall
 
 SINGLE, PAIR, SWARM = (RandomPoses(num_havs=count) for count in (1, 2, 50))
 # carts on drawbars; fifth wheels ahead of axles
@@ -38,7 +38,7 @@ def chromium(tmp_path_factory):
     for option in (*OPTIONS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
         options.add_argument(option)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    # told where the driver is, Selenium looks for none elsewhere
+    # with the driver's path, Selenium does not search elsewhere
     driver = webdriver.Chrome(options=options, service=Service(program("chromedriver")))
     yield driver
     driver.quit()
@@ -63,6 +63,7 @@ def trajectories() -> dict[str, Trajectory]:
         ),
         "hitched": record_trajectory(AvoidJack(), REAL, 0, 0, Task(max_steps=20), OffAxle()),
         "walls": driven_into_wall(),
+        "reserved": arrives_in_reserved_area(),
         "moment": record_trajectory(AvoidJack(), SINGLE, 0, 0, Task(max_steps=1)),
     }
 
@@ -77,7 +78,7 @@ def pages(trajectories, tmp_path_factory) -> dict[str, str]:
 
 @pytest.fixture
 def page(chromium, pages):
-    """Return what opens a page; afterwards the browser must have had nothing to complain about."""
+    """Return a function that opens a page; afterwards the browser must have logged no error."""
 
     def open_page(name: str) -> webdriver.Chrome:
         chromium.get(pages[name])
@@ -87,8 +88,8 @@ def page(chromium, pages):
     chromium.get_log("browser")
     chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
     yield open_page
-    # "rendering" tells that the test reads pixels, which is slow
+    # "rendering" reports that the test reads pixels, which is slow
     complaints = [entry for entry in chromium.get_log("browser") if entry["source"] != "rendering"]
     assert complaints == []
-    # one file is all that was read
+    # the page read one file only
     assert chromium.execute_script("return performance.getEntriesByType('resource').length") == 0

@@ -1,4 +1,4 @@
-"""Actions of a user on the replay page, and readings of what it shows."""
+"""Actions of a user on the replay page, and readings of its contents."""
 
 import time
 

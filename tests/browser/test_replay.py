@@ -158,7 +158,7 @@ def test_a_click_selects_and_shows_the_articulations(page):
     assert "0 of 2" in figures
     click_at(driver, place_of(driver, 0))
     assert state(driver, "selected") == 0
-    click_at(driver, (30, 400))  # where nobody is
+    click_at(driver, (30, 400))  # a place without a HAV
     assert state(driver, "selected") is None
     assert not named(driver, "details").is_displayed()
 
@@ -201,7 +201,8 @@ def test_an_event_takes_there(page, trajectories):
     step, joint = trajectories["single"].first[0, 0]
     assert step == 381
     assert state(driver, "events") == [
-        {"time": pytest.approx(step * 0.2), "text": f"HAV 0 jackknifes at joint {joint}"}
+        {"time": pytest.approx(step * 0.2), "text": f"HAV 0 jackknifes at joint {joint}"},
+        {"time": pytest.approx(400 * 0.2), "text": "time was up"},
     ]
     driver.find_element(By.CSS_SELECTOR, "#events li button").click()
     wait_for(lambda: drawn_time(driver) == f"{step * 0.2:.1f} s")
@@ -214,7 +215,8 @@ def test_obstacles_are_drawn_and_become_red_when_they_are_hit(page, trajectories
     driver, walls = page("walls"), trajectories["walls"]
     when = HIT * walls.dt
     assert state(driver, "events") == [
-        {"time": pytest.approx(when), "text": "HAV 0: obstacle collision"}
+        {"time": pytest.approx(when), "text": "HAV 0: obstacle collision"},
+        {"time": pytest.approx(walls.step[-1] * walls.dt), "text": "time was up"},
     ]
     own, other = place_of(driver, 0), place_of(driver, 1)
     scale = (own[1] - other[1]) / (walls.y[0, 1] - walls.y[0, 0])  # pixels per metre
@@ -228,6 +230,25 @@ def test_obstacles_are_drawn_and_become_red_when_they_are_hit(page, trajectories
     assert "hit an obstacle" in driver.find_element(By.CSS_SELECTOR, "#havs li").text
     press(driver, "]")
     wait_for(lambda: f"at {when:.1f} s, segment 0" in named(driver, "figures").text)
+
+
+def test_reserved_areas_are_drawn_and_ends_are_named(page, trajectories):
+    driver, shown = page("reserved"), trajectories["reserved"]
+    when = shown.hit_step[1, 0] * shown.dt
+    texts = [event["text"] for event in state(driver, "events")]
+    assert texts == ["HAV 0: obstacle collision", "HAV 1 arrived at goal 1", "time was up"]
+    inside = place_of(driver, 1) - [0.0, 30.0]  # above the HAV, within what it has reserved
+    before = colors_near(driver, inside)
+    named(driver, "reserved").click()
+    wait_for(lambda: colors_near(driver, inside) != before)
+    named(driver, "reserved").click()
+    assert "area that a HAV has reserved" in named(driver, "signs").text
+    seek(driver, when)
+    wait_for(lambda: "1 of 2 arrived" in named(driver, "phase").text)
+    assert "arrived" in driver.find_elements(By.CSS_SELECTOR, "#havs li")[1].text
+    assert "time was up" not in named(driver, "phase").text
+    seek(driver, state(driver, "duration"))
+    wait_for(lambda: "time was up" in named(driver, "phase").text)
 
 
 def test_the_chart_forgets_where_the_cursor_was_and_takes_there(page):

@@ -1,4 +1,4 @@
-"""The command site says what a file holds, and draws where HAVs may be."""
+"""The command ``site`` prints the contents of a file, and draws the allowed places of HAVs."""
 
 import numpy as np
 import pytest
@@ -60,7 +60,7 @@ def test_options_change_what_is_read(capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nothing.json"], "No such file or directory: 'nothing.json'"),
+        (["nothing.json"], "there is no file or folder 'nothing.json'"),
         (["yard.txt"], "yard.txt ends in '.txt', but must end in one of"),
         (["yard.json", "--draw", "yard.gif"], "draw is 'yard.gif', but must end in .png"),
         (["yard.json", "--tolerance", "-1"], "tolerance is -1.0, but must be at least 0 m"),

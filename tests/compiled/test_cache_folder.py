@@ -19,7 +19,7 @@ def forgotten():
 
 @pytest.fixture
 def temporary(tmp_path, monkeypatch):
-    """Return the folder for temporary files, in which everybody may write."""
+    """Return the folder for temporary files, in which all users may write."""
     folder = tmp_path / "temporary"
     folder.mkdir()
     folder.chmod(0o1777)
@@ -69,7 +69,7 @@ def test_a_folder_of_another_user_is_refused(tmp_path, temporary, monkeypatch, c
     (tmp_path / "theirs").mkdir(mode=0o700)
     stranger = os.getuid() + 1
     monkeypatch.setattr(os, "getuid", lambda: stranger)
-    (temporary / f"hav_env-{stranger}").mkdir(mode=0o700)  # made before by somebody else
+    (temporary / f"hav_env-{stranger}").mkdir(mode=0o700)  # made before by another user
     assert find_home(str(tmp_path / "theirs")) is None
     assert len(caplog.records) == 1
     assert "belongs to user" in caplog.text

@@ -1,4 +1,4 @@
-"""The compile cache: only this user writes to it, and what is broken in it is compiled anew."""
+"""The compile cache: only this user writes to it, and broken files in it are compiled again."""
 
 import logging
 import os
@@ -45,7 +45,7 @@ def kept(tmp_path):
     return tmp_path / "kept"
 
 
-# what is broken
+# broken files
 
 
 def in_its_place(path):
@@ -99,7 +99,7 @@ def test_machine_code_with_a_flipped_byte_never_runs(kept):
 
 
 class Gone:
-    """A class that a file names and that there is no more."""
+    """A class that a file names and that no longer exists."""
 
 
 @compiled_only
@@ -190,4 +190,4 @@ def test_types_are_told_apart_by_module_and_fields():
     assert "0x" not in "".join(told)
 
 
-# where it is
+# the folder

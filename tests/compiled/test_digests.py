@@ -1,4 +1,4 @@
-"""The digest of code: what is compiled changes it, and nothing else does."""
+"""The digest of code: changes of compiled code change it, and nothing else does."""
 
 import importlib
 import subprocess
@@ -119,7 +119,7 @@ def test_an_edited_policy_leaves_others_and_scenarios_as_they_are(digest):
 
 @pytest.mark.parametrize("name", POLICIES.names())
 def test_drawings_figures_and_commands_are_in_no_digest(name):
-    """Of a table: all its code is followed, that of Python too."""
+    """For a table, the digest follows all its code, including Python code."""
     policy = make_policy(name)
     walk = _Walk(classes_in(policy, RandomPoses(), OnAxle(), Task()))
     for function in (run_part, rollout_worlds):
@@ -204,14 +204,15 @@ FIRST = """
 import numpy as np
 import matplotlib, torch, hav_env, baselines.experiments.survey, baselines.figures.paper
 from tests.support.policies import Weaving, Watched
+from tests.support.worlds import side_by_side
 hav_env.rollout("random", "paper-pair", 0, np.arange(2), Task(max_steps=3), threads=2)
 hav_env.rollout(Weaving(), "swarm-5", 0, np.arange(2), Task(max_steps=3))
-hav_env.parallel_env(reward=Watched()).reset(seed=0)
+hav_env.parallel_env(scenario=side_by_side(2.0, 90.0), reward=Watched()).reset(seed=0)
 """
 
 
 def test_a_digest_is_the_same_in_every_process():
-    """Whatever was imported, compiled, tried and run before."""
+    """It does not depend on earlier imports, compilations, trials and runs."""
     told = set()
     for first in ("", FIRST):
         done = subprocess.run(

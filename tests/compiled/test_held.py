@@ -1,4 +1,4 @@
-"""What is held arrives in compiled code as it was given, and nothing of it goes out of date."""
+"""Held arguments arrive in compiled code unchanged, and never become outdated."""
 
 import copy
 import gc
@@ -36,7 +36,7 @@ class Outer(NamedTuple):
 
 @entry
 def read_held(first, last, held, found):
-    """Write what is held."""
+    """Write the held arguments."""
     outer, last_word = arguments_of(held)
     inner = outer.inner
     for k in range(first, last):
@@ -78,7 +78,7 @@ def expected(outer, last):
 def test_numbers_and_arrays_arrive_as_they_are():
     outer = made()
     assert exactly(read(Held(outer, 2.5))) == exactly(expected(outer, 2.5))
-    assert outer.whole[:, 0].tolist() == [1, 4, 7, 10, 13]  # written to where it is
+    assert outer.whole[:, 0].tolist() == [1, 4, 7, 10, 13]  # written in place
 
 
 def test_arrays_live_as_long_as_they_are_held():

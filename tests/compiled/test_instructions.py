@@ -1,4 +1,4 @@
-"""What LLVM does and Python lacks is the same in both."""
+"""LLVM instructions that Python lacks give the same results in both."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from tests.support.budgets import budget
 
 @entry
 def take_numbers(first, last, counter, taken):
-    """Write a number that nobody else takes into each place."""
+    """Write a number that no other thread takes into each place."""
     for place in range(first, last):
         taken[place] = take(counter)
 

@@ -1,4 +1,4 @@
-"""After an interrupt, at any moment, the next step and the next reset are as they would be."""
+"""After an interrupt at any moment, the next step and the next reset equal those without one."""
 
 import os
 import signal
@@ -19,7 +19,7 @@ THREADS = 4
 
 
 def interrupted(call, delay):
-    """Call something, and interrupt it after a delay [s]; tell whether it was."""
+    """Call a function, and interrupt it after a delay [s]; return whether it was interrupted."""
     kept = signal.signal(signal.SIGALRM, signal.default_int_handler)
     try:
         try:
@@ -45,8 +45,8 @@ def test_an_interrupt_waits_until_every_world_is_done_once(own_takes, helper_tak
 
     expected = [k * VECTOR for k in range(THREADS)]
     interrupted(lambda: share_out(loop, THREADS * VECTOR, (), THREADS), 0.1)
-    share_out(lambda first, last: None, 1, (), THREADS)  # finishes what is left
-    # what an interrupt tears apart is a loop in Python alone: compiled ones are one call
+    share_out(lambda first, last: None, 1, (), THREADS)  # finishes the remaining work
+    # an interrupt can split only a loop in Python: compiled ones are one call
     assert len(done) == len(set(done)) >= THREADS - 1
     done.clear()
     share_out(loop, THREADS * VECTOR, (), THREADS)
@@ -67,10 +67,10 @@ def begin(made, seed):
     return told
 
 
-# one that comes in a callback of the garbage collector is not raised, but told
+# an interrupt in a callback of the garbage collector is reported, not raised
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_thirty_interrupts_at_random_moments_leave_every_world_in_step():
-    """An interrupted step was taken everywhere or nowhere, and nothing hangs."""
+    """An interrupted step was taken in all worlds or in none, and nothing hangs."""
     random = np.random.default_rng(1)
     made, twin = process(), process()
     begin(made, 3), begin(twin, 3)
@@ -85,7 +85,7 @@ def test_thirty_interrupts_at_random_moments_leave_every_world_in_step():
         steps = twin.batch.worlds.state.clock[0, 0]
         hits += interrupted(lambda: made.step(actions), random.uniform(0.0, 1.2 * length))
         clock = made.batch.worlds.state.clock[0]
-        if made.num_worlds > 64:  # plain Python can be torn apart within a loop
+        if made.num_worlds > 64:  # plain Python can be interrupted within a loop
             assert (clock == clock[0]).all()
             for _ in range(clock[0] - steps):
                 twin.step(actions)

@@ -1,4 +1,4 @@
-"""Work on worlds is shared out: every world once, errors are heard of, several may ask at once."""
+"""Threads share the worlds: every world once, errors are raised, several callers may start."""
 
 import threading
 import time
@@ -41,7 +41,7 @@ def test_an_error_is_raised_after_all_are_done(bad):
             raise ArithmeticError(f"in {first}")
         done.append(first)
 
-    for _ in range(3):  # helpers that failed are at hand again
+    for _ in range(3):  # helpers that failed are available again
         with pytest.raises(ArithmeticError, match=f"in {bad * VECTOR}"):
             share_out(fail, 3 * VECTOR, (), 3)
         assert sorted(done) == [k * VECTOR for k in range(3) if k != bad]

@@ -10,7 +10,7 @@ from tests.support.tracing import untraced
 
 
 def traced_files(function):
-    """Return the last parts of the paths of all files whose functions a tracer is told of."""
+    """Return the last parts of the paths of all files whose functions a tracer is called for."""
     before, seen = sys.gettrace(), set()
 
     def tracer(frame, event, argument):

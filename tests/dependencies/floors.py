@@ -14,7 +14,7 @@ def floors(requirements: Iterable[str], python: str) -> dict[str, str]:
     """Return the lowest release of each package that serves a Python, such as 3.11.
 
     Raises:
-        ValueError: naming a package that has no floor.
+        ValueError: If a package has no floor; the message names it.
     """
     found: dict[str, Version] = {}
     for text in requirements:
@@ -29,7 +29,7 @@ def floors(requirements: Iterable[str], python: str) -> dict[str, str]:
 
 
 def requirements_of(extras: Iterable[str]) -> Iterator[str]:
-    """Give what the project asks for, with extras."""
+    """Yield the requirements of the project, with extras."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     yield from project["dependencies"]
     for extra in extras:

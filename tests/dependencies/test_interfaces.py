@@ -1,4 +1,4 @@
-"""What checks environments passes with any release of it, and without Stable-Baselines3."""
+"""Checkers of environments pass with any release of them, and without Stable-Baselines3."""
 
 import warnings
 
@@ -13,7 +13,7 @@ with warnings.catch_warnings():  # PettingZoo warns of the way in which it loads
     warnings.simplefilter("ignore", DeprecationWarning)
     from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, render_test
 
-# PettingZoo's checkers hand over an option that nobody can know
+# PettingZoo's checkers pass an option that no environment knows
 pytestmark = pytest.mark.filterwarnings("ignore:reset ignores the option 'options':UserWarning")
 CYCLES = budget(30, 3)
 

@@ -1,15 +1,19 @@
-"""docs/environments.md names what the environments show, and its examples run."""
+"""docs/environments.md names the contents of observations and infos, and its examples run."""
 
+import inspect
+import math
 import re
 import subprocess
 import sys
 
 import pytest
 
+import hav_env
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.mdp.reward import Reward
 from hav_env.observation.layout import NEIGHBOR, OWN
 from hav_env.scenarios.presets import SCENARIOS
+from hav_env.world.place.guidance import Dubins
 from tests.support.paths import ROOT
 
 TEXT = (ROOT / "docs/environments.md").read_text()
@@ -32,5 +36,19 @@ def test_default_weights_are_those_in_the_table():
 
 @pytest.mark.parametrize("block", BLOCKS)
 def test_the_examples_run(block):
-    # in a process of its own: a reward that is registered here would have all compiled anew
+    # in a separate process: a reward registered here would cause a new compilation of everything
     subprocess.run([sys.executable, "-W", "error", "-c", block], check=True)
+
+
+def test_help_of_the_environment_names_every_argument_and_default():
+    told = dict(re.findall(r"^ +(\w+): \(default (.+?)\) ", hav_env.parallel_env.__doc__, re.M))
+    process = inspect.signature(DecisionProcess).parameters.values()
+    made = {p.name: p.default for p in process if p.kind is p.KEYWORD_ONLY}
+    own = inspect.signature(hav_env.parallel_env).parameters.values()
+    made |= {p.name: p.default for p in own if p.default is not p.empty}
+    made |= hav_env.Task()._asdict()
+    assert set(told) == set(made)
+    models = "Task", "OnAxle", "Observation", "Reward"
+    known = {name: getattr(hav_env, name) for name in models}
+    known |= {"Dubins": Dubins, "inf": math.inf}
+    assert {name: eval(text, known) for name, text in told.items()} == made

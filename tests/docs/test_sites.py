@@ -1,9 +1,10 @@
-"""The examples of docs/sites.md run, and its picture is what the command draws."""
+"""The examples of docs/sites.md run, and its picture is the command's."""
 
 import json
 import re
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from hav_env.__main__ import main
@@ -14,15 +15,16 @@ from tests.support.paths import ROOT
 TEXT = (ROOT / "docs/sites.md").read_text()
 
 
-def test_the_example_runs(monkeypatch, capsys):
+@pytest.mark.exhaustive
+def test_the_examples_run(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
-    (block,) = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
-    exec(compile(block, "sites.md", "exec"), {})
+    for block in re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL):
+        exec(compile(block, "sites.md", "exec"), {})
     assert "(0.0, 0.0, 120.0, 80.0)" in capsys.readouterr().out
 
 
 def test_the_command_draws_the_picture(tmp_path, monkeypatch):
-    (command,) = re.findall(r"^python -m hav_env (site .*)$", TEXT, re.MULTILINE)
+    (command,) = re.findall(r"^hav-env (site .*)$", TEXT, re.MULTILINE)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     assert main(command.split()) == 0

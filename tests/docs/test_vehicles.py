@@ -4,12 +4,15 @@ import re
 import subprocess
 import sys
 
+import pytest
+
 from hav_env.vehicles import COMBINATIONS
 from tests.support.paths import ROOT
 
 TEXT = (ROOT / "docs/vehicles.md").read_text()
 
 
+@pytest.mark.exhaustive
 def test_the_examples_run():
     blocks = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
     assert len(blocks) == 2

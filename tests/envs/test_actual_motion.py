@@ -1,4 +1,4 @@
-"""What trucks make of commands is told beside them, where actuators are limited."""
+"""Where actuators are limited, environments report the executed commands beside them."""
 
 import gymnasium as gym
 import numpy as np

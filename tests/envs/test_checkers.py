@@ -1,4 +1,4 @@
-"""What Gymnasium, PettingZoo and Stable-Baselines3 check of an environment holds for ours."""
+"""The checks of Gymnasium, PettingZoo and Stable-Baselines3 pass for these environments."""
 
 import warnings
 
@@ -9,7 +9,6 @@ from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
 from hav_env import Observation, Task
 from hav_env.envs import hav_swarm_v0
-from hav_env.scenarios.presets import SCENARIOS
 from tests.support.budgets import COMPILED, budget
 from tests.support.worlds import side_by_side
 
@@ -26,15 +25,24 @@ with warnings.catch_warnings():  # PettingZoo warns of the way in which it loads
     )
 
 IDS = ("hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0")
-# HAVs that leave one after the other, wherever they turn
+# HAVs that leave one after another, wherever they turn
 LEAVING = {
     "scenario": side_by_side(2.0, 3.0, 5.0),
     "task": Task(distance_tolerance=1.5, heading_tolerance=4.0),
     "on_goal": "remove",
 }
-LARGE = ("dense-50", "swarm-50", "swarm-200")  # each step takes a second without compilation
+_OF_REAL_PLACES = ("field-4", "docks-6")
+# real vehicles among obstacles, which their observations and rewards know
+AMONG_OBSTACLES = {
+    "vehicle": "realistic",
+    "observation": Observation(obstacles=2, rays=8),
+    "reward": "site",
+}
+LARGE = ("swarm-50",)  # each step takes a second without compilation
+# of scenarios that differ in numbers alone, one is enough
+_NAMED = ("paper-single", "paper-pair", "dense-10", "crossing-8", "yard-4", "column-5", *LARGE)
 SETTINGS = {
-    **{name: {"scenario": name} for name in SCENARIOS if COMPILED or name not in LARGE},
+    **{name: {"scenario": name} for name in _NAMED if COMPILED or name not in LARGE},
     "five": {"num_havs": 5},
     "leaving": LEAVING,
     "held": {"frame_skip": 3},
@@ -42,12 +50,25 @@ SETTINGS = {
     "leaving, reported at ends": LEAVING | {"info": "ends"},
     "blind": {"observation": Observation(neighbors=0)},
     "chains": {"observation": Observation(neighbors=1, chains=True)},
+    **{name: AMONG_OBSTACLES | {"scenario": name} for name in _OF_REAL_PLACES},
 }
-SMALL = [name for name in SETTINGS if name not in LARGE]
-settings = pytest.mark.parametrize("settings", list(SETTINGS.values()), ids=SETTINGS)
-small_settings = pytest.mark.parametrize("settings", [SETTINGS[k] for k in SMALL], ids=SMALL)
+QUICK = ("paper-pair", "five", "leaving", "held", "reported at ends")  # few kinds of code
 
-# PettingZoo's checkers hand over an option that nobody can know
+
+def cases(names):
+    """Return parameters of a test: those of kinds of code that take long are exhaustive."""
+    return [
+        pytest.param(SETTINGS[k], id=k, marks=[] if k in QUICK else [pytest.mark.exhaustive])
+        for k in names
+    ]
+
+
+settings = pytest.mark.parametrize("settings", cases(SETTINGS))
+small_settings = pytest.mark.parametrize(
+    "settings", cases(name for name in SETTINGS if name not in LARGE)
+)
+
+# PettingZoo's checkers pass an option that no environment knows
 pytestmark = pytest.mark.filterwarnings("ignore:reset ignores the option 'options':UserWarning")
 
 
@@ -57,13 +78,13 @@ def no_display(monkeypatch):
 
 
 def cycles(settings) -> int:
-    """Return how many actions are enough: large swarms are slow in checkers."""
+    """Return a sufficient number of actions: large swarms are slow in checkers."""
     large = settings.get("scenario") in LARGE
     return 5 if large else budget(60, 4)
 
 
 def episodes(settings):
-    """Return what makes an environment whose episodes are short."""
+    """Return a function that makes an environment with short episodes."""
     return settings | {"max_cycles": cycles(settings)}
 
 

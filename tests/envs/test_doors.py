@@ -1,4 +1,4 @@
-"""A hundred inputs that cannot be, through every door: an error in one line that names them."""
+"""A hundred invalid inputs, through every interface: an error in one line that names them."""
 
 import functools
 import math

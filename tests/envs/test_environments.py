@@ -1,4 +1,4 @@
-"""What holds for every environment, where the checkers of others do not look."""
+"""Laws of every environment that external checkers do not test."""
 
 import gymnasium as gym
 import numpy as np
@@ -34,7 +34,7 @@ faces = pytest.mark.parametrize("face", list(FACES.values()), ids=FACES)
 
 
 def draw(env, rng):
-    """Return random actions, all that an environment may be given."""
+    """Return random actions, all of them valid."""
     if hasattr(env, "possible_agents"):
         return {agent: rng.uniform(-1, 1, 2).astype(np.float32) for agent in env.agents}
     return rng.uniform(-1, 1, env.action_space.shape).astype(np.float32)
@@ -47,7 +47,7 @@ def over(env, outcome):
 
 
 def play(env, steps, seed=5):
-    """Yield what an environment returns, from reset to reset."""
+    """Yield the results of an environment, from reset to reset."""
     rng = np.random.default_rng(seed)
     yield env.reset(seed=seed)
     for _ in range(steps):
@@ -104,7 +104,7 @@ def info_of(outcome):
     return outcome[-1]
 
 
-# names that wrappers and trainers write their own things under
+# names under which wrappers and trainers write their own entries
 RESERVED = {"episode", "final_obs", "final_info", "terminal_observation", "TimeLimit.truncated"}
 
 
@@ -232,7 +232,7 @@ def test_every_observation_of_a_thousand_episodes_is_within_its_bounds(driver, s
     observation, _ = env.reset(seed=7)
     while ends < rounds * worlds:
         assert observation.dtype == np.float32
-        # a comparison with what is no number is false
+        # a comparison with NaN is false
         inside = (observation >= space.low) & (observation <= space.high)
         assert inside.all()
         observation, _, terminated, truncated, _ = env.step(act())

@@ -1,4 +1,4 @@
-"""What cannot be is an error that names the argument, its value and what is allowed."""
+"""Invalid settings raise an error that names the argument, its value and the valid range."""
 
 import re
 import subprocess
@@ -57,7 +57,8 @@ SETTINGS = [
 ]
 
 
-@pytest.mark.filterwarnings("ignore:.*hologram")  # Gymnasium warns before we say no
+# Gymnasium warns before this project raises an error
+@pytest.mark.filterwarnings("ignore:.*hologram")
 @pytest.mark.parametrize(("settings", "error", "message"), SETTINGS, ids=str)
 @pytest.mark.parametrize("make", list(MAKERS.values()), ids=MAKERS)
 def test_a_setting_that_cannot_be_is_named(make, settings, error, message):
@@ -114,7 +115,7 @@ OPTIONS = [
     ),
     (
         {"lengths": [[3.0, 4.0], [3.0, *[1.0] * 11]], "start": POSES, "goals": GOALS},
-        "11 trailers, but .* room for 10",
+        "11 trailers, but .* space for 10",
     ),
     (
         {"lengths": [[3.0], [3.0, 4.0]]},
@@ -251,4 +252,4 @@ def test_a_missing_library_is_named_with_the_command_that_installs_it(render_mod
     )
     last = found.stderr.strip().splitlines()[-1]
     assert last.startswith("ImportError")
-    assert re.search(r"pip install .*hav_env\[rendering\]", last)
+    assert re.search(r"pip install -e .*\[rendering\]", last)

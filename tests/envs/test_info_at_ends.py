@@ -1,4 +1,4 @@
-"""With ``info="ends"`` every face reports where episodes end, as otherwise, and only there."""
+"""With ``info="ends"`` every interface reports where episodes end, as otherwise, and only there."""
 
 import gymnasium as gym
 import numpy as np
@@ -17,7 +17,7 @@ from tests.support.worlds import side_by_side
 
 SWARM, SINGLE = "hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0"
 STEPS = budget(60, 20)
-# HAVs that arrive one after the other, wherever they turn
+# HAVs that arrive one after another, wherever they turn
 ARRIVING = {
     "scenario": side_by_side(2.0, 3.0, 4.0),
     "task": Task(max_steps=20, distance_tolerance=1.5, heading_tolerance=4.0),
@@ -97,7 +97,7 @@ def test_one_world_is_reported_on_when_it_ends(name, more, settings):
 
 
 def told_of(info, ended):
-    """Return what is to be told of the worlds that ended, of what was told of all."""
+    """Return the expected infos of the worlds that ended, from those of all worlds."""
     if not ended.any():
         return {}
     return {
@@ -181,7 +181,7 @@ def test_rows_are_always_reported_on_at_ends(settings):
                 assert bool(info) == done
                 if done:
                     reported += 1
-                    assert info["episode"].pop("t") > 0.0  # when, by the clock
+                    assert info["episode"].pop("t") > 0.0  # a duration by the clock
                     assert {"is_success", "return_goal", "terminal_observation"} <= set(info)
         assert exactly(told) == exactly(told_too)
     assert reported > 0
@@ -189,7 +189,7 @@ def test_rows_are_always_reported_on_at_ends(settings):
 
 @pytest.mark.parametrize(("frame_skip", "controlled"), [(1, None), (3, None), (2, 1)])
 def test_nothing_is_written_of_worlds_that_go_on(frame_skip, controlled):
-    """What is not reported is not worked out: the memory for it stays as it was."""
+    """Infos that are not reported are not computed: their memory stays as it was."""
     driver = None if controlled is None else "avoid_jack"
     processes = [
         DecisionProcess(

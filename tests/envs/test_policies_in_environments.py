@@ -1,4 +1,4 @@
-"""A policy does the same whoever runs it: AVOID-JACK through every environment and the rollout."""
+"""A policy acts equally whatever runs it: AVOID-JACK through every environment and the rollout."""
 
 import functools
 

@@ -31,6 +31,7 @@ def worlds_of(env):
     return env.unwrapped._world.process.batch.worlds
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("flatten", [False, True])
 def test_physical_actions_are_those_of_each_hav(flatten):
     env = gym.make("hav_env:HAVSwarm-v0", scenario=MIXED, vehicle="off_axle", flatten=flatten)
@@ -49,6 +50,7 @@ def test_physical_actions_are_those_of_each_hav(flatten):
     np.testing.assert_allclose(state.steering[:, 0], -0.2, rtol=1e-6)
 
 
+@pytest.mark.exhaustive
 def test_a_reset_that_writes_goals_keeps_bent_starts():
     env = parallel_env(scenario=load_explicit(DEPOT), vehicle="realistic")
     env.reset(seed=0)
@@ -66,12 +68,12 @@ def test_a_reset_that_writes_goals_keeps_bent_starts():
 def test_a_reset_that_writes_hitches_is_refused_where_the_vehicle_knows_none():
     env = parallel_env(num_havs=2, vehicle="on_axle")
     env.reset(seed=0)
-    with pytest.raises(ValueError, match="must know hitches"):
+    with pytest.raises(ValueError, match="must support hitches"):
         env.reset(seed=0, options={"lengths": ["eurocombi", [4.0, 5.0]]})
 
 
 class Sleepy(NamedTuple):
-    """A model of one's own with hitches: half as fast."""
+    """A custom model with hitches: half as fast."""
 
     share: float = 0.5
 
@@ -87,6 +89,7 @@ def drive_sleepily(vehicle, dt, world, agent):
 needs_hitches.register(Sleepy, lambda vehicle: True)
 
 
+@pytest.mark.exhaustive
 def test_a_model_of_ones_own_may_have_hitches():
     fleet = catalogue_fleet("eurocombi")
     batches = [
@@ -102,7 +105,7 @@ def test_a_model_of_ones_own_may_have_hitches():
 
 
 def test_who_rolls_on_after_its_goal_was_not_closer_to_it():
-    """The least distance is that of the way to the goal, up to the hit."""
+    """The least distance is that of the path to the goal, up to the hit."""
     goals = [[30.0, 0.0, 0.0], [200.0, 0.0, 0.0]], [[500.0, 50.0, 0.0], [900.0, 50.0, 0.0]]
     scenario = explicit([[4.0, 5.0]] * 2, [[0.0, 0.0, 0.0], [0.0, 50.0, 0.0]], goals, speed_max=5.0)
     batch = Batch(scenario, vehicle=OnAxle(actuators=Limited()))

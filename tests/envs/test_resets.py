@@ -1,4 +1,4 @@
-"""A reset is refused before anything changes; before the first there is no episode."""
+"""An invalid reset changes nothing; before the first there is no episode."""
 
 import copy
 
@@ -39,12 +39,12 @@ VALUES = [
 def refuse(env, **asked):
     with pytest.raises((TypeError, ValueError)) as told:
         env.reset(**asked)
-    assert "task" not in str(told.value)  # it is about what the user passed
+    assert "task" not in str(told.value)  # it is about the user's argument
     return str(told.value)
 
 
 def seen(env, **asked):
-    """Return what an environment tells at a reset."""
+    """Return the results of a reset of an environment."""
     told = env.reset(**asked)
     return exactly(told if told is not None else [env.observe(a) for a in env.agents])
 
@@ -75,7 +75,7 @@ def test_a_refused_reset_changes_nothing(face, begun):
     env = face()
     if begun != "not begun":
         env.reset(seed=11 if begun == "seeded" else None)
-    assert env.np_random is not None  # Gymnasium makes it when somebody looks
+    assert env.np_random is not None  # Gymnasium makes it at first access
     twin = copy.deepcopy(env)
     asked = [
         *({"seed": seed} for seed in SEEDS),
@@ -88,7 +88,7 @@ def test_a_refused_reset_changes_nothing(face, begun):
         act = {"hav_0": np.zeros(2)} if face is parallel_env else np.zeros(env.action_space.shape)
         with pytest.raises(RuntimeError, match="call reset before step"):
             env.step(act)
-    else:  # the episode under way goes on
+    else:  # the present episode continues
         held = getattr(env, "agents", None)
         act = np.ones(env.action_space.shape) if held is None else dict.fromkeys(held, np.ones(2))
         assert exactly(env.step(act)) == exactly(twin.step(act))
@@ -107,7 +107,7 @@ def test_an_episode_without_room_is_none_and_the_next_reset_takes_the_next_numbe
             with pytest.raises(RuntimeError, match="call reset before"):
                 what()
         number, told = number + 1, reset_if_room(env)
-    assert "hav_0" in env.render()
+    assert "HAV 0 " in env.render()
     info = told[1]["hav_0"]
     assert (info["seed"], info["episode_number"]) == (seed, number)
 

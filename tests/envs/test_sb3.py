@@ -18,7 +18,7 @@ AHEAD = np.array([1.0, 0.0], np.float32)
 
 
 def drive(env, steps, action=AHEAD):
-    """Yield what every step tells."""
+    """Yield the results of every step."""
     for _ in range(steps):
         yield env.step(np.tile(action, (env.num_envs, 1)))
 
@@ -69,7 +69,7 @@ def test_rows_of_a_world_end_together_and_go_on_at_once():
 
 
 def test_a_time_out_is_told_from_an_end():
-    """Of a time-out the value goes on: it is told as such, with what was seen last."""
+    """A time-out does not end the value: it is reported as such, with the last observation."""
     cut = HAVVecEnv(1, scenario=side_by_side(4.0), max_steps=3)
     cut.reset()
     *_, (_, _, ends, infos) = drive(cut, 3)

@@ -1,4 +1,4 @@
-"""The vector environments are Gymnasium's own over single ones, step for step and bit for bit."""
+"""The vector environments equal Gymnasium's own over single ones, step for step and bit for bit."""
 
 import gymnasium as gym
 import numpy as np
@@ -43,7 +43,7 @@ cases = pytest.mark.parametrize(("name", "settings"), list(CASES.values()), ids=
 
 
 def single(name, settings):
-    """Return what makes a single environment with nothing wrapped round it."""
+    """Return a function that makes a single environment without wrappers."""
     return lambda: gym.make(name, **settings).unwrapped
 
 
@@ -54,7 +54,7 @@ def pair(name, settings, mode, num_worlds=NUM_WORLDS):
 
 
 def assert_same(own, other):
-    """Compare all that was returned; Gymnasium leaves out of an info what no world told."""
+    """Compare all results; Gymnasium leaves out infos that no world reported."""
     own, other = exactly(own), exactly(other)
     assert own.keys() == other.keys()
     for name, value in other.items():
@@ -162,7 +162,7 @@ def test_final_numbers_are_told_of_the_worlds_that_ended_only():
 
 
 def test_no_array_of_a_return_is_an_array_that_the_environment_goes_on_to_use():
-    """Whoever writes into flags and masks changes nothing."""
+    """Writing into flags and masks changes nothing."""
     for mode in AutoresetMode:
         one, other = (
             gym.make_vec(SWARM, num_envs=3, autoreset_mode=mode, max_steps=3) for _ in "ab"
@@ -186,7 +186,7 @@ TIGHT = RandomPoses(num_havs=4, area_factor=2.5, pose_attempts=4, world_attempts
 
 
 def without_room(env):
-    """Return a seed with which some world, but not all, has no room."""
+    """Return a seed for which the scenario cannot place HAVs in some worlds, but not all."""
     for seed in range(0, 400, 10):
         try:
             env.reset(seed=seed)

@@ -1,4 +1,4 @@
-"""Gymnasium's wrappers take the vector environments; what makes no sense is an error."""
+"""Gymnasium's wrappers take the vector environments; senseless combinations are an error."""
 
 import gymnasium as gym
 import numpy as np

@@ -1,4 +1,4 @@
-"""The table says what the records hold; mistakes of callers are errors that name them."""
+"""The table matches the records; mistakes of callers are errors that name them."""
 
 import math
 from typing import NamedTuple
@@ -219,7 +219,7 @@ def test_a_rollout_refuses_seeds_beyond_32_bits(seed):
 
 def test_a_rollout_without_room_is_an_error():
     crowded = RandomPoses(num_havs=20, area_factor=0.3, pose_attempts=5, world_attempts=1)
-    with pytest.raises(PlacementError, match="worlds have no room for 20 HAVs"):
+    with pytest.raises(PlacementError, match="worlds have no space for 20 HAVs"):
         rollout(Random(), crowded, 0, np.arange(2))
 
 

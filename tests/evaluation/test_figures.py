@@ -37,7 +37,7 @@ def test_a_new_column_and_its_figure_are_one_entry_each(monkeypatch):
     batch.worlds.record.total[:, [PATH, MOVED], 0] = [[12.0, 20.0], [0.0, 0.0]]
     table = tabulate(batch.worlds, np.zeros((2, 3, 1)), DubinsPursuit(), Task(dt=0.3))
     assert table["mean_speed"].to_pylist() == [pytest.approx(2.0), None]
-    assert compare(["one"], [table])[-1] == ["mean speed [m/s]", "2 [-inf, inf]"]
+    assert compare(["one"], [table])[-1] == ["mean speed [m/s]", "2.00"]
 
 
 def test_figures_come_in_their_order_and_those_of_company_only_in_company(table):
@@ -47,7 +47,7 @@ def test_figures_come_in_their_order_and_those_of_company_only_in_company(table)
         *("goal 1 driven / Dubins", "goal 2 driven / Dubins", "largest articulation [rad]"),
     ]
     names = [figure.name for figure in figures_of(table)]
-    assert [name for name in names if name in known] == known  # those added stand between
+    assert [name for name in names if name in known] == known  # the added ones are between them
     alone = table.filter(np.equal(table["hav"].to_numpy(), 0))
     assert not {figure.name for figure in figures_of(alone)} & {
         event.label for event in EVENTS if event.company

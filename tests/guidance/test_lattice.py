@@ -1,4 +1,4 @@
-"""Lengths of a lattice are those of drives that are clear and, on its graph, the shortest."""
+"""Lengths of a lattice are those of clear drives and, on its graph, the shortest."""
 
 import math
 
@@ -29,7 +29,7 @@ def search_small(segments, **changes):
 
 
 def place_of(x, y, heading_cell):
-    """Return the node in which a pose is; None outside the grid."""
+    """Return the node of a pose; None outside the grid."""
     side = math.ceil(SIZE / SMALL.cell)
     i, j = math.floor(y / SMALL.cell), math.floor(x / SMALL.cell)
     inside = 0 <= i < side and 0 <= j < side
@@ -37,7 +37,7 @@ def place_of(x, y, heading_cell):
 
 
 def drives_to(nodes, node):
-    """Give the drives that end in the pose of a node: pose, side and node of their start."""
+    """Yield the drives that end in the pose of a node: pose, side and node of their start."""
     k = node % HEADINGS
     for side in (-1, 0, 1):
         # backwards is forwards with the truck turned round and the other side
@@ -78,7 +78,7 @@ def test_among_walls_no_drive_is_missing_and_none_hits(direct):
             taken_here = own and side == nodes.side[before]
             seen = nodes.side[before] == IN_SIGHT
             if not taken_here and (seen or nodes.length[before] <= length + 1e-9):
-                continue  # there is a way at least as short
+                continue  # there is a path at least as short
             gap = lines.distance(trace(pose, side, RADIUS, drives.step))
             if taken_here:
                 taken.add(before)

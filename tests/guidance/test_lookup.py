@@ -1,4 +1,4 @@
-"""A truck that follows a lattice reaches the goal on a way as long as foretold."""
+"""A truck that follows a lattice reaches the goal on a path of the predicted length."""
 
 import math
 

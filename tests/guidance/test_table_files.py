@@ -1,4 +1,4 @@
-"""Lattices on disk are found again, never mixed up, and broken ones are made anew."""
+"""Lattices on disk are found again, never mixed up, and broken ones are made again."""
 
 import hashlib
 import logging
@@ -31,8 +31,8 @@ OTHERS = {
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     home = tmp_path / "home"
+    find_lengths(**GIVEN)  # compiles; its code goes to the folder that all tests share
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(home))
-    find_lengths(**GIVEN)  # compiles, outside
     return home / "lattices"
 
 
@@ -64,7 +64,7 @@ def test_each_thing_that_determines_a_table_has_a_file_of_its_own(folder):
 
 
 class Planted:
-    """Something that leaves a trace when it is unpickled."""
+    """An object that leaves a trace when it is unpickled."""
 
     traces: tuple = ()
 
@@ -74,7 +74,7 @@ class Planted:
 
 
 def broken(content):
-    """Give contents that are no table."""
+    """Yield contents that are no table."""
     yield b""
     yield content[:100]
     yield content[:-1] + bytes([content[-1] ^ 1])

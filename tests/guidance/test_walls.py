@@ -1,4 +1,4 @@
-"""What is said to keep clear does so, as Shapely measures it."""
+"""Positions that the guidance considers clear are clear by Shapely's measure."""
 
 import math
 

@@ -52,7 +52,8 @@ root.__path__ = [{path!r}]
 sys.modules[package] = root
 found = importlib.import_module(f"{{package}}.{{folder}}")
 for module in pkgutil.walk_packages(getattr(found, "__path__", []), found.__name__ + "."):
-    if not module.name.endswith("__main__"):
+    # TorchRL and BenchMARL are in an environment of their own, where they are tested
+    if not module.name.endswith(("__main__", "envs.torchrl", "envs.benchmarl")):
         importlib.import_module(module.name)
 print(*sorted({{name.split(".")[1] for name in sys.modules if name.startswith(package + ".")}}))
 """

@@ -1,4 +1,4 @@
-"""Dubins paths end at their goal, and nothing that turns as little is shorter."""
+"""Dubins paths end at their goal, and no path with the same largest curvature is shorter."""
 
 import cmath
 import itertools
@@ -49,7 +49,7 @@ def assert_same_pose(place, heading, goal, tolerance=1e-9):
 
 
 def lengths_of(word, goal, radius):
-    """Return the segments [m] of a word, or None where it does not reach the goal."""
+    """Return the segments [m] of a word, or None if it does not reach the goal."""
     first, second, third = word_segments(word, *goal, radius)
     return None if math.isinf(first) else (first * radius, second * radius, third * radius)
 
@@ -82,8 +82,8 @@ def test_every_word_is_the_shortest_somewhere_and_named_by_its_turns():
         assert turns(word) == tuple("RSL".index(letter) - 1.0 for letter in letters)
 
 
-# An oracle that knows no closed form: the first arc is looked for numerically, on the condition
-# that what follows (straight or arc, then arc) can end in the goal's heading at the goal.
+# An oracle without a closed form: it searches the first arc numerically, on the condition that the
+# rest (straight or arc, then arc) can end in the goal's heading at the goal.
 
 
 def after(place, heading, side, angle):
@@ -99,7 +99,7 @@ def candidates(goal):
         centre = end + last * 1j * cmath.exp(1j * end_heading)
 
         def straight_misses(angle, first=first, last=last, centre=centre):
-            """How far the tangent after the first arc passes the goal's circle."""
+            """Return by how much the tangent after the first arc misses the goal's circle."""
             to_centre = centre - after(0j, 0.0, first, angle)
             return (to_centre * np.exp(-1j * first * angle)).imag - last
 
@@ -113,7 +113,7 @@ def candidates(goal):
             continue
 
         def arc_misses(angle, first=first, centre=centre):
-            """How far the circle of the second arc is from touching the goal's circle."""
+            """Return how far the circle of the second arc is from touching the goal's circle."""
             place = after(0j, 0.0, first, angle)
             middle = place - first * 1j * np.exp(1j * first * angle)
             return abs(centre - middle) - 2.0
@@ -146,7 +146,7 @@ def test_a_search_over_first_arcs_finds_the_same_shortest_length(size):
 def test_no_path_that_turns_as_little_is_shorter(segments, radius):
     curvatures, lengths = zip(*segments, strict=True)
     place, heading = drive([curvature / radius for curvature in curvatures], lengths)
-    # paths on the border of what a word can do may be missed by rounding: go round it
+    # rounding may miss paths at the limit of a word: avoid it
     assume(all(abs(curvature) < 0.999 for curvature in curvatures))
     assert path_length(place.real, place.imag, heading, radius) <= sum(lengths) + 1e-6
 
@@ -228,7 +228,7 @@ def test_the_mirror_image_is_as_long(goal, radius):
 @pytest.mark.parametrize("goal", random_goals(20, 10.0))
 @pytest.mark.parametrize("radius", [0.3, 1.0, 4.0])
 def test_the_way_back_with_both_headings_reversed_is_as_long(goal, radius):
-    # the start as it is seen from the goal, both facing about
+    # the start as seen from the goal, with both turned about
     start = -complex(goal[0], goal[1]) * cmath.exp(-1j * (goal[2] + math.pi))
     back = path_length(start.real, start.imag, -goal[2], radius)
     assert back == pytest.approx(path_length(*goal, radius), abs=1e-9)

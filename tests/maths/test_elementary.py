@@ -28,7 +28,7 @@ places = st.floats(1e-280, 1e300) | st.floats(-1e300, -1e-280)
 
 
 def ulps(found, exact) -> float:
-    """Return how far numbers are from the exact ones at most, in units of those in last place."""
+    """Return the largest error of numbers, in units in the last place of the exact ones."""
     pairs = zip(found, exact, strict=True)
     return max(float(abs(EXACT.mpf(a) - b)) / math.ulp(float(b)) for a, b in pairs)
 
@@ -180,7 +180,7 @@ def beside_halves(rng):
 
 
 def beyond_halves(rng):
-    """Return exponents up to a bit beyond: there errors are largest for their last place."""
+    """Return exponents slightly beyond: there errors are largest for their last place."""
     return (rng.integers(-1_020, 1_021, SAMPLES) + rng.uniform(0.5, 0.65, SAMPLES)) * math.log(2)
 
 
@@ -247,7 +247,7 @@ LANES = budget(10_000, 300)
 
 
 def in_python(a, b):
-    """Return what ``evaluate`` fills in, from calls for one number at a time."""
+    """Return the results of ``evaluate``, from calls for one number at a time."""
     rows = [
         [*sincos(x), atan2(x, y), exp(x), floor(x), log(abs(x) + 1.0)]
         for x, y in zip(a.tolist(), b.tolist(), strict=True)
@@ -257,7 +257,7 @@ def in_python(a, b):
 
 @pytest.fixture(scope="module")
 def numbers():
-    """Numbers of all sizes side by side, so that neighbouring lanes take different ways."""
+    """Return numbers of all sizes side by side, so neighbouring lanes take different paths."""
     rng = np.random.default_rng(4)
     a, b = signs(rng, (2, LANES + 7)) * 10.0 ** rng.uniform(-12, 6, (2, LANES + 7))
     a[::5] = rng.integers(-40, 40, len(a[::5])) * (QUARTER / 2)

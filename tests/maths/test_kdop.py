@@ -1,4 +1,4 @@
-"""Outlines hold what was included, and gaps between them are no wider than Shapely says."""
+"""Outlines contain the included points, and gaps between them are at most Shapely's distance."""
 
 import math
 
@@ -19,7 +19,7 @@ from hav_env.maths.kdop import (
     turn_outline,
 )
 
-# rounded: squares of what is hardly above zero vanish
+# rounded: squares of numbers slightly above zero vanish
 place = st.tuples(*[st.floats(-30.0, 30.0).map(lambda number: round(number, 9))] * 2)
 disc = st.tuples(st.floats(-30.0, 30.0), st.floats(-30.0, 30.0), st.floats(0.01, 20.0))
 content = st.tuples(st.lists(place, max_size=6), st.lists(disc, min_size=1, max_size=2))

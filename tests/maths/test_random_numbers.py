@@ -1,4 +1,4 @@
-"""Draws are Random123's, are spread as they claim, and know nothing of each other."""
+"""Draws are Random123's, have the stated distributions, and are independent of each other."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""Rectangles share a point, and have their nearest points, where Shapely says so."""
+"""Rectangles share a point, and have their nearest points, where Shapely finds them."""
 
 import numpy as np
 import pytest

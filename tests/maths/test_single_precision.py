@@ -19,7 +19,7 @@ log_single, path_single = in_single(log), in_single(shortest_path_towards)
 
 @entry
 def evaluate(first, last, a, b, results):
-    """Fill results (RESULTS, W), of float32 as a and b (W,) are."""
+    """Fill results (RESULTS, W), float32 like a and b (W,)."""
     for w in range(first, last):
         results[LOGARITHM, w] = log_single(abs(a[w]) + single(1.0))
         results[ANGLE, w] = atan2_single(a[w], b[w])

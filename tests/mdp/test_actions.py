@@ -1,4 +1,4 @@
-"""Actions are finite real numbers of one shape, whichever face they come through."""
+"""Actions are finite real numbers of one shape, in every interface."""
 
 import copy
 import decimal
@@ -17,7 +17,7 @@ SWARM, SINGLE = "hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0"
 
 
 class Stubborn:
-    """Cannot be made an array of."""
+    """Cannot be converted to an array."""
 
     def __array__(self, *arguments, **keywords):
         """Refuse."""
@@ -77,7 +77,7 @@ def alone(env, action):
 
 @pytest.fixture(scope="module")
 def faces():
-    """Return one environment of each face, begun."""
+    """Return one environment of each interface, begun."""
     pair, single = parallel_env(), gym.make(SINGLE).unwrapped
     made = {
         "parallel": (pair, in_parallel, "the action of hav_1"),

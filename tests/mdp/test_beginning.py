@@ -1,4 +1,4 @@
-"""An episode begins with the same bits wherever it does: alone, among others, after any other."""
+"""An episode begins with the same bits anywhere: alone, among others, after any other."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.world.lanes import LANES
 from tests.support.budgets import budget
 
-# what each search or step writes before it reads it
+# arrays that each search or step writes before it reads them
 SCRATCH = {
     "worlds.state.ahead",
     "worlds.nearby.index",  # its first ``count`` are compared
@@ -22,7 +22,7 @@ SCRATCH = {
 
 
 def kept(process, outcome):
-    """Return all that a world is from step to step, and all that was told of it, world first."""
+    """Return the persistent state of a world, and all results about it, world first."""
     arrays = process.arrays()
     found = {name: np.moveaxis(arrays[name], -1, 0) for name in set(arrays) - SCRATCH}
     neighbors = arrays["worlds.nearby.index"]
@@ -34,7 +34,7 @@ def kept(process, outcome):
 
 
 def soil(process):
-    """Drive on, and write down close misses that never were."""
+    """Drive on, and record false close misses."""
     for _ in range(3):
         process.step(np.full((process.num_worlds, process.num_controlled, 2), 0.4))
     miss = process.batch.worlds.record.miss

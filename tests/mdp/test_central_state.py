@@ -1,12 +1,17 @@
-"""What a central critic sees is the whole world, and all of it."""
+"""A central critic observes the whole world."""
 
 import numpy as np
 import pytest
+import shapely
 
-from hav_env import OffAxle, OnAxle, Rectangles, parallel_env
+from hav_env import Batch, Field, OffAxle, OnAxle, Rectangles, build_site, explicit, parallel_env
+from hav_env.envs.gymnasium_vector import HAVSwarmVectorEnv
+from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.mdp.central_state import CentralState
+from hav_env.vehicles import VEHICLES
 from hav_env.world.arrays import FOOTPRINT
 from tests.support.budgets import budget
+from tests.support.obstacles import wall_shapes
 from tests.support.worlds import catalogue_like, open_plane
 
 
@@ -65,8 +70,34 @@ def test_the_state_is_the_arrays_of_the_world(scenario):
         env.step({agent: rng.uniform(-1, 1, 2) for agent in env.agents})
 
 
+def test_vector_environments_return_the_states_of_their_worlds():
+    """Each row is the state of the single environment with the seed of the world."""
+    envs, rows = HAVSwarmVectorEnv(3, num_havs=2), HAVVecEnv(3, num_havs=2)
+    for vector in (envs, rows):
+        with pytest.raises(RuntimeError, match="call reset before state"):
+            vector.state()
+    envs.reset(seed=[6, 8, 10])
+    rows.seed(6)  # row k begins with seed 6 + k, and the rows of a world with its first one
+    rows.reset()
+    singles = []
+    for seed in (6, 8, 10):
+        single = parallel_env(num_havs=2)
+        single.reset(seed=seed)
+        singles.append(single)
+    actions = np.random.default_rng(0).uniform(-1, 1, (3, 2, 2))
+    for _ in range(3):
+        expected = np.stack([single.state() for single in singles])
+        assert envs.state().tobytes() == rows.state().tobytes() == expected.tobytes()
+        assert all(envs.single_state_space.contains(state) for state in envs.state())
+        envs.step(actions)
+        rows.step(actions.reshape(6, 2))
+        for single, own in zip(singles, actions, strict=True):
+            single.step(dict(zip(single.agents, own, strict=True)))
+
+
+@pytest.mark.exhaustive
 def test_hitches_and_bodies_are_in_the_state_of_vehicles_that_have_them():
-    """Others have the names of the paper's alone."""
+    """Other vehicles have only the names of the paper's."""
     paper = CentralState(open_plane(1, 2, 3)).names
     for vehicle in (OnAxle(bodies=Rectangles()), OffAxle(), OffAxle(bodies=Rectangles())):
         hitched, wide = vehicle != OnAxle(bodies=Rectangles()), vehicle != OffAxle()
@@ -92,6 +123,62 @@ def test_hitches_and_bodies_are_in_the_state_of_vehicles_that_have_them():
         for name, value in expected.items():
             assert told[name] == pytest.approx(value), name
         assert min(expected.values()) < 0.0 or not hitched
+
+
+@pytest.mark.parametrize("far", [0.0, 2e6])
+@pytest.mark.exhaustive
+def test_the_segments_of_the_place_are_in_the_state(far):
+    """In the frame of all positions; planes have only the names of the plane."""
+    walls = np.array([[[20.0, 0.0], [20.0, 9.0]], [[-7.0, -30.0], [40.0, -25.0]]]) + far
+    start, goals = [[far, far, 0.0]], [[[far + 30.0, far, 0.0]]]
+    batch = Batch(explicit([[3.0, 4.0]], start, goals, site=build_site(lines=walls)))
+    batch.reset(6)
+    central = CentralState(batch)
+    told = dict(zip(central.names, central.read(), strict=True))
+    assert central.space.contains(central.read())
+    paper = CentralState(open_plane(1, 1, 1)).names
+    assert tuple(told)[: len(paper)] == paper
+    assert told["segments_share"] == 1.0
+    truck, goal = (np.array([told[f"hav_0_{n}x"], told[f"hav_0_{n}y"]]) for n in ("", "goal_"))
+    assert goal - truck == pytest.approx([0.3, 0.0], abs=1e-5)
+    for k, wall in enumerate(walls):
+        for name, end in zip(("start", "end"), wall, strict=True):
+            seen = np.array([told[f"segment_{k}_{name}_x"], told[f"segment_{k}_{name}_y"]])
+            assert seen - truck == pytest.approx((end - far) / 100.0, abs=1e-5)
+
+
+@pytest.mark.exhaustive
+def test_segments_that_a_world_does_not_have_are_zeros():
+    """Walls of random worlds are where Shapely has them."""
+    batch = Batch(Field(num_segments=5), 2, vehicle=VEHICLES.make("realistic"))
+    batch.reset(4)
+    central, walls = CentralState(batch), wall_shapes(batch.worlds)
+    first = central.names.index("segment_0_start_x")
+    for w, count in enumerate((5, 2)):
+        batch.worlds.place.count[w] = count
+        told = central.read(w)[first:]
+        assert told.shape == (4 * 5 + 1,)
+        seen = shapely.linestrings(100.0 * told[:-1].reshape(5, 2, 2))
+        assert (shapely.hausdorff_distance(seen, walls[:, w])[:count] < 1e-4).all()
+        assert not told[4 * count : -1].any()
+        assert told[-1] == pytest.approx(count / 5)
+
+
+@pytest.mark.parametrize("vehicle", [OnAxle(), OffAxle(bodies=Rectangles())])
+def test_the_states_of_all_worlds_are_those_of_each(vehicle):
+    batch = catalogue_like(vehicle) if vehicle != OnAxle() else open_plane(3, 2, 3)
+    state, rng = batch.worlds.state, np.random.default_rng(0)
+    state.x[:] += rng.normal(0.0, 10.0, state.x.shape)
+    batch.worlds.fleet.num_trailers[0] = 1
+    central = CentralState(batch)
+    states = central.read_worlds()
+    assert states.shape == (batch.num_worlds, len(central.names))
+    assert states.flags.c_contiguous
+    for w in range(batch.num_worlds):
+        assert states[w].tobytes() == central.read(w).tobytes()
+    assert np.array_equal(central.read_worlds(slice(1, None)), states[1:])
+    if batch.num_worlds > 1:
+        assert not np.array_equal(states[0], states[1])
 
 
 def test_a_state_that_was_told_stays_as_it_was():

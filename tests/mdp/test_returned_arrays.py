@@ -1,4 +1,4 @@
-"""What an environment has returned never changes, however the environment was copied."""
+"""Returned arrays of an environment never change, however the environment was copied."""
 
 import copy
 import pickle
@@ -14,7 +14,7 @@ from hav_env.mdp.array_pool import Recycler
 from tests.support.budgets import budget
 
 SHORT = {"max_steps": 6}
-MANY = budget(400, 20)  # worlds whose arrays are large enough that memory is used again
+MANY = budget(400, 20)  # number of worlds with arrays large enough that their memory is reused
 
 
 def out_of_band(env):
@@ -81,7 +81,7 @@ def actions_of(env):
 
 
 def arrays_in(value):
-    """Yield all arrays in what an environment returned."""
+    """Yield all arrays in the results of an environment."""
     if isinstance(value, np.ndarray):
         if value.dtype == object:
             value = list(value)
@@ -101,7 +101,7 @@ def test_returned_arrays_stay_what_they_were(face, how):
     env.reset(seed=0)
     env.step(actions_of(env))
     env = COPIES[how](env)
-    kept = []  # views alone: the arrays that they are of are let go
+    kept = []  # views alone: their base arrays are released
     for turn in range(9):  # over the ends of episodes
         told = env.reset() if turn == 4 else env.step(actions_of(env))
         for array in arrays_in(told):
@@ -119,7 +119,7 @@ def test_what_a_caller_does_to_returned_arrays_changes_no_later_step(face):
     env, twin = FACES[face](), FACES[face]()
     for one in (env, twin):
         one.reset(seed=5) if not isinstance(one, Stable) else (one.env.seed(5), one.reset())
-    for _ in range(5 if face == "swarm" else 9):  # a vector goes on after the end
+    for _ in range(5 if face == "swarm" else 9):  # a vector environment continues after the end
         told, expected = env.step(actions_of(env)), twin.step(actions_of(twin))
         for mine, theirs in zip(arrays_in(told), arrays_in(expected), strict=True):
             assert np.array_equal(mine, theirs, equal_nan=True)

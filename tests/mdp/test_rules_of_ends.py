@@ -1,4 +1,4 @@
-"""When an episode ends, for whom, and how long an action is held."""
+"""The end of an episode, its agents, and the number of steps of an action."""
 
 import itertools
 
@@ -14,14 +14,14 @@ from tests.support.worlds import side_by_side
 
 AHEAD, STAND = np.array([1.0, 0.0]), np.array([-1.0, 0.0])
 HAV = [3.0, 4.0]
-# the second follows the first through its goal to one farther on
+# the second follows the first through its goal to a farther one
 FOLLOWING = explicit(
     [HAV, HAV], [[0.0, 0.0, 0.0], [-15.0, 0.0, 0.0]], [[[2.0, 0.0, 0.0]], [[30.0, 0.0, 0.0]]]
 )
 
 
 def run(env, action=AHEAD, most=2_000):
-    """Yield what every step of an episode tells, until nobody is left."""
+    """Yield the results of every step of an episode, until no agent is left."""
     env.reset(seed=0)
     for _ in range(most):
         yield env.step(dict.fromkeys(env.agents, action))
@@ -30,13 +30,13 @@ def run(env, action=AHEAD, most=2_000):
 
 
 def present(observation, env):
-    """Return how many others are seen in a row."""
+    """Return the number of others in a row."""
     columns = env._world.process.columns
     return sum(observation[i] for i, name in enumerate(columns) if name.endswith("_present"))
 
 
 def hit_step(distance):
-    """Return in which step of 0.2 m the goal is nearer than 0.5 m."""
+    """Return the step of 0.2 s in which the goal is nearer than 0.5 m."""
     return next(k for k in itertools.count(1) if distance - 0.2 * k < 0.5 - 1e-9)
 
 
@@ -121,7 +121,7 @@ def test_what_parks_does_whatever_it_is_told():
 ACCIDENTS = {
     # full lock at full speed folds a short truck with a long trailer
     "jackknife": ("jackknifed", explicit([[2.0, 11.0]], [[0, 0, 0]], [[[900, 0, 0]]]), [1.0, 1.0]),
-    # two that come to one crossing at the same time
+    # two that reach one crossing at the same time
     "collision": (
         "actual_collision",
         explicit([HAV] * 2, [[0, 0, 0], [15, -15, 1.5]], [[[900, 0, 0]], [[-900, 0, 0]]]),
@@ -218,7 +218,7 @@ def test_an_action_is_held_for_so_many_steps(frame_skip):
         for agent, info in infos.items():
             facts = [name for name in info if not name.startswith("return_")]
             assert {k: info[k] for k in facts} == {k: infos_then[agent][k] for k in facts}
-            # potentials and events add up; what is felt along the way is looked at at the end
+            # potentials and events add up; running penalties are evaluated at the end
             for term in ("progress", "goal", "jackknife", "actual_collision", "time"):
                 name = f"return_{term}"
                 assert info[name] == pytest.approx(infos_then[agent][name], abs=1e-9)

@@ -1,6 +1,7 @@
-"""The reward among obstacles is the default one, and what collisions with them cost."""
+"""The reward among obstacles is the default one plus the costs of collisions with them."""
 
 import numpy as np
+import pytest
 
 from hav_env import Reward, SiteReward, build_site, explicit
 from hav_env.mdp.decision_process import DecisionProcess
@@ -16,6 +17,7 @@ def test_all_but_the_last_terms_are_those_of_the_default_reward():
     assert isinstance(REWARDS.make("site"), SiteReward)
 
 
+@pytest.mark.exhaustive
 def test_the_first_collision_costs_once_and_nearness_grows():
     scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=WALL)
     reward = SiteReward(*[0.0] * 9, obstacle_collision=-10.0, obstacle_proximity=-1.0)

@@ -1,4 +1,4 @@
-"""Models are checked by their annotations, those from outside the package as well."""
+"""Models are checked by their annotations, including those from outside the package."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Inner(NamedTuple):
 
 
 class Stranger(NamedTuple):
-    """A model with annotations that are strings, as of a module of a user's own."""
+    """A model with annotations that are strings, as in a user's module."""
 
     share: Annotated[float, Range(0.0, 1.0, "m", "a share")] = 0.5
     length: Annotated[float, Range(0.1, 20.0, "m")] = 4.0

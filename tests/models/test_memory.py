@@ -1,4 +1,4 @@
-"""What does not fit into memory is refused before anything is allocated."""
+"""Worlds that do not fit into memory are rejected before any allocation."""
 
 import re
 import sys
@@ -21,7 +21,7 @@ LITTLE = 2**26  # bytes
 
 @pytest.fixture
 def little_memory(monkeypatch):
-    """A machine that has next to none."""
+    """Simulate a machine with almost no memory."""
     monkeypatch.setattr("hav_env.models.memory.available_memory", lambda: LITTLE)
 
 
@@ -29,7 +29,7 @@ def little_memory(monkeypatch):
 def test_a_world_takes_what_its_arrays_take(shape):
     worlds = allocate_worlds(3, *shape)
     arrays = arrays_in(worlds)
-    # three numbers for each lane are scratch of a block, all else belongs to a world
+    # three numbers for each lane are scratch of a block, all others belong to a world
     assert 3 * world_size(*shape) == sum(array.nbytes for array in arrays)
 
 

@@ -1,4 +1,4 @@
-"""Own speed and steering are two columns behind the own ones, for those who ask for them."""
+"""Own speed and steering are two optional columns after the own ones."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def test_motion_adds_two_columns_behind_the_own_ones(neighbors):
 
 
 def rows(process, steps, seed=3):
-    """Yield rows (W, N, D) of observations while all act at random, and at first."""
+    """Yield rows (W, N, D) of observations at the start and during random actions."""
     everywhere, told = np.ones(process.num_worlds, np.bool_), process.outcome()
     process.begin(
         np.arange(process.num_worlds), np.zeros(process.num_worlds, int), everywhere, told

@@ -1,4 +1,4 @@
-"""Who adds a column edits one file, and policies that were trained before drive as they did."""
+"""A new column needs one edited file, and earlier policies drive as before."""
 
 import os
 import shutil
@@ -46,7 +46,7 @@ ADDITIONS = {
 
 
 def driven(folder):
-    """Return what is printed by the package in a folder."""
+    """Return the output of the package in a folder."""
     told = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(folder)}
     done = subprocess.run(
         [sys.executable, "-c", DRIVES], env=told, cwd=folder, capture_output=True, text=True,

@@ -1,4 +1,4 @@
-"""Every column of an observation is what its name says, worked out anew from the world."""
+"""Every column of an observation matches its name, computed again from the world."""
 
 import math
 
@@ -45,7 +45,7 @@ def angle(name, direction):
 
 
 class Witness:
-    """Looks at one world from outside, with complex numbers for places."""
+    """Observes one world from outside, with complex numbers for positions."""
 
     def __init__(self, batch, w):
         """Take a batch and the number of one of its worlds."""
@@ -84,7 +84,7 @@ class Witness:
         return columns
 
     def largest_bend(self, agent):
-        """Return the articulation that is farthest from zero, at most its limit [rad]."""
+        """Return the articulation farthest from zero, at most its limit [rad]."""
         bends = wrapped(np.diff(self.headings(agent)))
         limit = self.fleet.limit[agent, ARTICULATION, self.w]
         return float(np.clip(bends[np.argmax(np.abs(bends))], -limit, limit))
@@ -140,7 +140,7 @@ class Witness:
         return gap <= self.reach(agent) + self.reach(other) + self.sensing_range
 
     def neighbors(self, agent):
-        """Return who is sensed, the least clearance first."""
+        """Return the sensed HAVs, least clearance first."""
         others = [k for k in range(len(self.places)) if k != agent and self.senses(agent, k)]
         return sorted(others, key=lambda other: self.clearance(agent, other))
 
@@ -218,7 +218,7 @@ def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, front
                 assert all(name.startswith("neighbor_") and found[name] == 0.0 for name in absent)
                 assert not set(expected) - set(found)
                 for name in ("goal_path", "approach_path"):
-                    if expected[f"{name}_first"] < scaled(1e-3):  # to which side tells nothing
+                    if expected[f"{name}_first"] < scaled(1e-3):  # the side is undetermined
                         expected[f"{name}_turn"] = found[f"{name}_turn"]
                 for name, value in expected.items():
                     assert found[name] == pytest.approx(value, abs=1e-5), name

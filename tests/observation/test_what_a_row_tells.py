@@ -1,4 +1,4 @@
-"""An observation tells all that AVOID-JACK needs: it is written here anew, from the row alone."""
+"""An observation suffices for AVOID-JACK: it is written here again, from the row alone."""
 
 import math
 
@@ -21,7 +21,7 @@ class Row:
     """The columns of one observation by name, in metres and radians."""
 
     def __init__(self, values, columns):
-        """Take the values of a row and the place of each column."""
+        """Take the values of a row and the index of each column."""
         self._values, self._columns = values, columns
 
     def __getitem__(self, name):
@@ -29,7 +29,7 @@ class Row:
         return float(self._values[self._columns[name]])
 
     def __contains__(self, name):
-        """Tell whether the row has a column."""
+        """Return whether the row has a column."""
         return name in self._columns
 
     def metres(self, name):
@@ -44,7 +44,7 @@ class Row:
 
 
 def first_side(row):
-    """Return to which side the Dubins path of Algorithm 1 begins: 1 left, -1 right, 0 straight."""
+    """Return the first side of the Dubins path of Algorithm 1: 1 left, -1 right, 0 straight."""
     truck, goal = 10.0 * row["length_0"], row.place("goal")
     if abs(goal) < CLOSE_FACTOR * truck:
         place, radius = goal, truck

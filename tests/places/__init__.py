@@ -1,1 +1,1 @@
-"""This package tests places: sites, the files that they come from, and who touches them."""
+"""This package tests places: sites, their files, and collisions with them."""

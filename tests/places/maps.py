@@ -28,7 +28,7 @@ def write_map(folder, shades, **entries):
 
 
 def png_header(width, height):
-    """Return a PNG that says it is as large as that, and has next to no data."""
+    """Return a PNG that claims this size, and has almost no data."""
 
     def chunk(kind, data):
         checked = zlib.crc32(kind + data)

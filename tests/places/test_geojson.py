@@ -1,4 +1,4 @@
-"""GeoJSON in metres becomes the site that Shapely reads in it; degrees are refused."""
+"""GeoJSON in metres becomes the site that Shapely reads in it; degrees are rejected."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Sites hold the outlines that were given; places on them are those of Shapely."""
+"""Sites hold the given outlines; positions on them are those of Shapely."""
 
 import math
 
@@ -86,7 +86,7 @@ def test_bodies_touch_what_they_share_a_point_with(chains, place, heading, lengt
     touched = touched_segment(site, corners)
     bodies = shapely.union_all([shapely.MultiPoint(body).convex_hull for body in corners])
     distance = bodies.distance(lines_of(site))
-    # where an end only just touches, rounding decides
+    # rounding decides if an end only just touches
     ends = shapely.MultiPoint(site.segment.reshape(-1, 2))
     rims = shapely.union_all([shapely.LinearRing(body) for body in corners])
     near = min(
@@ -96,7 +96,7 @@ def test_bodies_touch_what_they_share_a_point_with(chains, place, heading, lengt
         return
     if touched is None:
         assert distance > 0.0
-    else:  # of a touch Shapely knows no more than rounding leaves
+    else:  # for a touch, Shapely's result is only a rounding error
         ends = shapely.LineString(site.segment[touched].reshape(2, 2))
         assert bodies.distance(ends) < 1e-9
 

@@ -1,4 +1,4 @@
-"""A site from a JSON file is what was written; each entry that is wrong is named."""
+"""A site from a JSON file equals the written one; each wrong entry is named."""
 
 import json
 
@@ -142,8 +142,12 @@ def test_a_file_that_is_missing_or_endless_is_an_error(ending, tmp_path, monkeyp
 def test_who_lacks_the_extra_is_told_how_to_install_it(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "shapely", None)
     assert load(tmp_path, WHOLE).num_segments == 24  # the project's own form needs none
-    with pytest.raises(ImportError, match=r"needs shapely: pip install 'hav_env\[maps\]'"):
+    with pytest.raises(
+        ImportError, match=r"needs shapely: run pip install -e '\.\[maps\]' in the clone"
+    ):
         load(tmp_path, WHOLE, tolerance=0.1)
     (tmp_path / "yard.wkt").write_text("LINESTRING (0 0, 1 1)")
-    with pytest.raises(ImportError, match=r"needs shapely: pip install 'hav_env\[maps\]'"):
+    with pytest.raises(
+        ImportError, match=r"needs shapely: run pip install -e '\.\[maps\]' in the clone"
+    ):
         load_site(tmp_path / "yard.wkt")

@@ -1,4 +1,4 @@
-"""What is drawn is what collides: rectangles and hitches of pictures are those of the simulator."""
+"""Drawings show the colliding shapes: rectangles and hitches of pictures equal the simulator's."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Obstacles are drawn where they collide, in any number, and do not decide what is seen."""
+"""Obstacles are drawn where they collide, in any number, and do not determine the view."""
 
 import numpy as np
 import pytest
@@ -100,11 +100,13 @@ def test_the_event_is_told_listed_and_counted():
     history = History()
     for shown in (whole, hit, hit):
         history.observe(shown)
-    assert list(history.events) == [(1.0, f"hav_0 {HIT}")]
+    assert list(history.events) == [(1.0, f"HAV 0 {HIT}")]
     plane = hit._replace(happened=hit.happened[:, :OBSTACLE])
     assert HIT not in describe(plane)
     assert HIT not in count_flags(plane)
     viewers = [Viewer("rgb_array"), Viewer("rgb_array")]
+    for viewer in viewers:
+        viewer.legend = False  # it has red signs
     red = [
         len(where(viewer.draw(shown), RED))
         for viewer, shown in zip(viewers, (plane, hit), strict=True)

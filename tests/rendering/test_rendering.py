@@ -1,11 +1,11 @@
-"""Drawings show the world as it is: places, colours, states; and need a window only when asked."""
+"""Drawings show the world: positions, colours, states; they open a window only on request."""
 
 import numpy as np
 import pytest
 
 from hav_env.rendering import Scene
 from hav_env.rendering.camera import Camera, round_length
-from hav_env.rendering.colors import AMBER, CALM, PALETTE, RED, color_of, color_of_bend
+from hav_env.rendering.colors import AMBER, CALM, EVASION, PALETTE, RED, color_of, color_of_bend
 from hav_env.rendering.history import History
 from hav_env.rendering.viewer import Viewer
 from hav_env.world.event_table import EVENTS
@@ -14,9 +14,9 @@ SIZE = (480, 360)  # too small for the panels, so that a picture holds HAVs and 
 
 
 def scene(num_havs=1, num_trailers=2, **changed) -> Scene:
-    """Return HAVs 40 m apart, straight, with goals far ahead, except for what is changed.
+    """Return HAVs 40 m apart, straight, with goals far ahead, except for the changed fields.
 
-    What has happened to them is given by the state of the event, as "jackknifed".
+    The state of an event, such as "jackknifed", sets which HAVs it has happened to.
     """
     happened = np.zeros((num_havs, len(EVENTS)), np.bool_)
     for event in EVENTS:
@@ -51,7 +51,10 @@ def scene(num_havs=1, num_trailers=2, **changed) -> Scene:
 
 
 def frame_of(shown: Scene, **options) -> np.ndarray:
-    return Viewer("rgb_array", **{"size": SIZE, **options}).draw(shown)
+    """Return a picture without a legend, which has signs in red."""
+    viewer = Viewer("rgb_array", **{"size": SIZE, **options})
+    viewer.legend = False
+    return viewer.draw(shown)
 
 
 def where(frame, color) -> np.ndarray:
@@ -238,19 +241,37 @@ def test_events_are_told_once():
     history.observe(later)
     history.observe(later._replace(time=3.2))
     assert list(history.events) == [
-        (3.0, "hav_0 hits goal 1"),
-        (3.0, "hav_0 collided"),
-        (3.0, "hav_0 evades hav_1"),
-        (3.0, "hav_1 jackknifed"),
+        (3.0, "HAV 0 hits goal 1"),
+        (3.0, "HAV 0 collided"),
+        (3.0, "HAV 0 evades HAV 1"),
+        (3.0, "HAV 1 jackknifed"),
         (3.0, "goal 2 for all"),
     ]
     viewer = Viewer("rgb_array")
+    viewer.legend = False
     viewer.draw(shown)
     assert len(where(viewer.draw(later), RED))
+
+
+def test_a_legend_explains_what_can_be_in_the_picture():
+    """A sign appears with the first thing of its kind, at the lower edge of the picture."""
+    plain, size = scene(2, evaded=np.array([-1, -1])), (960, 720)
+    corners = np.stack([plain.x + 5.0, plain.y], axis=1)[:, None] + [[-9, -4], [9, -4], [9, 4]]
+    frames = []
+    for shown in (plain, plain._replace(reserved=corners), scene(2, segment=np.ones((1, 4)))):
+        viewer = Viewer("rgb_array", size=size)
+        frames.append(viewer.draw(shown)[-64:, 220:])
+        viewer.legend = False
+        assert (viewer.draw(shown)[-64:, 220:] != frames[-1]).any()
+    assert len(where(frames[0], EVASION)) > 20
+    assert not len(where(frames[1], EVASION))  # of HAVs that reserve areas, none evades
+    assert (frames[2] != frames[0]).any()
+    low, _ = viewer._camera.seen()
+    assert low[1] + 64.0 / viewer._camera.scale < min(plain.y)  # no HAV is behind the legend
 
 
 def test_an_evasion_that_flickers_is_told_once():
     history, shown = History(), scene(2)
     for k in range(20):
         history.observe(shown._replace(time=0.2 * k, evaded=np.array([1 if k % 2 else -1, -1])))
-    assert list(history.events) == [(0.2, "hav_0 evades hav_1")]
+    assert list(history.events) == [(0.2, "HAV 0 evades HAV 1")]

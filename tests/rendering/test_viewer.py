@@ -1,4 +1,4 @@
-"""Where drawings go: arrays without a display, windows, a line of text; and what is missing."""
+"""Targets of drawings: arrays without a display, windows, a line of text; and missing packages."""
 
 import os
 import subprocess
@@ -64,7 +64,10 @@ try:
 except ImportError as error:
     print(error)
 """
-    assert run_python(code) == "rendering needs pygame-ce: pip install 'hav_env[rendering]'\n"
+    assert (
+        run_python(code)
+        == "rendering needs pygame-ce: run pip install -e '.[rendering]' in the clone\n"
+    )
 
 
 def test_the_simulator_imports_no_pygame():
@@ -76,7 +79,7 @@ def test_the_simulator_imports_no_pygame():
 
 @pytest.fixture
 def window(monkeypatch):
-    """Return a viewer with a window that nobody sees."""
+    """Return a viewer with an invisible window."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     viewer = Viewer("human", size=SIZE, frames_per_second=1000)
     yield viewer
@@ -173,7 +176,7 @@ def test_a_scene_shows_the_world_of_a_batch():
     parked = scene_of(batch.worlds, 1, 0.2, np.array([1, 0]))
     np.testing.assert_array_equal(parked.removed, [False, True])
     np.testing.assert_array_equal(parked.potential, [False, False])
-    np.testing.assert_array_equal(parked.evaded, [-1, -1])  # who waits or is gone decides nothing
+    np.testing.assert_array_equal(parked.evaded, [-1, -1])  # a waiting or removed HAV evades none
     assert frame_of(parked).any()
 
 
@@ -188,11 +191,11 @@ def test_one_line_tells_what_there_is_to_see():
         jackknifed=np.array([True, False]),
     )
     assert describe(shown) == (
-        "12.4 s; hav_0 goal 1/2 14.1 m ahead-left, bend 34/90 deg, evades hav_1, jackknifed;"
-        " hav_1 goal 1/2 5.0 m behind, bend 0/90 deg, waits"
+        "12.4 s; HAV 0 goal 1/2 14.1 m ahead-left, bend 34/90 deg, evades HAV 1, jackknifed;"
+        " HAV 1 goal 1/2 5.0 m behind, bend 0/90 deg, waits"
     )
     gone = scene(1, removed=np.array([True]), collided=np.array([True]))
-    assert describe(gone) == "0.0 s; hav_0 removed"
+    assert describe(gone) == "0.0 s; HAV 0 removed"
 
 
 def test_a_swarm_is_told_in_counts():

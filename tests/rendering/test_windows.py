@@ -34,14 +34,14 @@ WAYS = {
 
 @pytest.fixture(autouse=True)
 def unseen(monkeypatch):
-    """Open windows that nobody sees."""
+    """Open invisible windows."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     yield
     pygame.display.quit()
 
 
 def drive(env, steps):
-    """Step and render; return what was told and seen."""
+    """Step and render; return the results and the pictures."""
     told = []
     for k in range(steps):
         if hasattr(env, "possible_agents"):
@@ -55,7 +55,11 @@ def drive(env, steps):
 @pytest.mark.parametrize(
     ("face", "way"),
     [
-        *(("parallel", way) for way in WAYS),
+        *(("parallel", way) for way in ("deepcopy", "cloudpickle", "protocol 5")),
+        *(
+            pytest.param("parallel", f"protocol {k}", marks=pytest.mark.exhaustive)
+            for k in range(2, 5)
+        ),
         *(
             (face, way)
             for face in FACES
@@ -129,8 +133,17 @@ def test_the_close_button_is_for_all_that_share_the_window():
 
 
 @pytest.mark.parametrize("quit_it", [pygame.display.quit, pygame.quit, pygame.font.quit])
-@pytest.mark.parametrize("begin_it", [None, pygame.init, pygame.display.init])
-@pytest.mark.parametrize("render_mode", ["human", "rgb_array"])
+@pytest.mark.parametrize(
+    ("render_mode", "begin_it"),
+    [
+        ("human", None),
+        *(
+            pytest.param("human", begin, marks=pytest.mark.exhaustive)
+            for begin in (pygame.init, pygame.display.init)
+        ),
+        *(("rgb_array", begin) for begin in (None, pygame.init, pygame.display.init)),
+    ],
+)
 def test_drawing_survives_that_somebody_else_quits_pygame(render_mode, begin_it, quit_it):
     env, twin = (parallel_env(render_mode=render_mode) for _ in range(2))
     told = []

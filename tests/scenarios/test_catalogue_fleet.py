@@ -1,4 +1,4 @@
-"""Fleets of the catalogue have its vehicles, as often as the weights say."""
+"""Fleets of the catalogue have its vehicles, with frequencies by the weights."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A scenario that is written down is what was written; mistakes in it are named."""
+"""An explicit scenario is as written; mistakes in it are named."""
 
 import itertools
 import json
@@ -195,6 +195,6 @@ def test_at_the_corners_of_what_may_be_written_all_stays_finite(place, heading, 
         assert env.state_space.contains(env.state())
         observations, rewards, *_ = env.step({"hav_0": np.array([1.0, turn])})
         assert np.isfinite(rewards["hav_0"])
-        # as after the longest episode of turning as quickly as can be
+        # as after the longest episode of turning at the fastest rate
         state.heading[:] += 1.4e15 if turn == 0.1 else 0.0
         state.x[:] += 1e12 if turn == 0.1 else 0.0

@@ -1,4 +1,4 @@
-"""A scenario that is written down in a file is what was written; mistakes in it are named."""
+"""A scenario in a file is as written; mistakes in it are named."""
 
 import json
 import math
@@ -34,7 +34,7 @@ def test_vehicles_of_the_file_and_of_the_catalogue_start_bent(tmp_path):
     ]
     (tmp_path / "depot.json").write_text(json.dumps({"havs": havs, "vehicles": {"mine": units}}))
     scenario = load_explicit(tmp_path / "depot.json")
-    with pytest.raises(ValueError, match=r"vehicle is .*, but must know hitches"):
+    with pytest.raises(ValueError, match=r"vehicle is .*, but must support hitches"):
         Batch(scenario)
     batch = Batch(scenario, vehicle=OffAxle(bodies=Rectangles(2.0)))
     batch.reset(0)

@@ -78,7 +78,7 @@ def test_starts_and_goals_in_the_way_are_named(hav, message, tmp_path):
 def test_places_that_are_clear_are_allowed(tmp_path):
     for hav in (written(14.0, 8.0), written(5.0, 12.0, -math.pi / 2, lengths=[4.0, 4.0])):
         load(tmp_path, havs=[hav])
-    # at a goal the trailers are wherever they are
+    # at a goal the trailers may be anywhere
     load(tmp_path, havs=[HAV | {"goals": [[5.0, 7.0, math.pi / 2]]}])
 
 

@@ -1,4 +1,4 @@
-"""Crossing, yard and column are what their docstrings say, and no chains touch at the start."""
+"""Crossing, yard and column match their docstrings, and no chains touch at the start."""
 
 import collections
 import itertools
@@ -57,7 +57,7 @@ def test_a_crossing_is_the_least_circle_with_goals_opposite(num_havs):
     for phase, side in enumerate((-1, 1, -1)):
         assert goal[:, phase] == pytest.approx(side * place)
         assert turned[:, phase] == pytest.approx(-side * heading)
-    room = radius[0] - trucks.max(axis=0) - 3.0  # what is left, of the tightest constraint
+    room = radius[0] - trucks.max(axis=0) - 3.0  # the remaining space of the tightest constraint
     footprint = worlds.fleet.radius[:, FOOTPRINT]
     for i, h in itertools.combinations(range(num_havs), 2):
         room = np.minimum(room, abs(place[i] - place[h]) - footprint[i] - footprint[h] - 3.0)

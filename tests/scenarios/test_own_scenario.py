@@ -1,4 +1,4 @@
-"""A scenario from outside the package is checked as those inside are."""
+"""A scenario from outside the package passes the same checks as those inside."""
 
 from typing import Annotated, NamedTuple
 
@@ -19,7 +19,7 @@ class Placed(NamedTuple):
 
     @property
     def max_trailers(self):
-        """As many as is said."""
+        """Return the number that a test has set."""
         return self.trailers
 
 

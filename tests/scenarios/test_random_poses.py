@@ -1,4 +1,4 @@
-"""The paper's scenario: poses are uniform in a square, apart from each other, or it says no."""
+"""The paper's scenario: poses are uniform in a square, apart from each other, or it fails."""
 
 import itertools
 import math
@@ -41,7 +41,7 @@ def test_nobody_starts_or_ends_beyond_the_square(num_havs, compiled, pure, facto
 
 def test_a_density_out_of_reach_is_an_error_that_says_so():
     crowded = RandomPoses(num_havs=20, area_factor=0.3, pose_attempts=10, world_attempts=2)
-    with pytest.raises(PlacementError, match=r"3 of 3 worlds have no room for 20 HAVs.*0\.3"):
+    with pytest.raises(PlacementError, match=r"3 of 3 worlds have no space for 20 HAVs.*0\.3"):
         Batch(crowded, 3).reset(0)
 
 

@@ -1,4 +1,4 @@
-"""What holds in every scenario that draws its episodes."""
+"""Laws of every scenario that draws its episodes."""
 
 import itertools
 import math
@@ -9,15 +9,16 @@ import sys
 import numpy as np
 import pytest
 
-from hav_env import Batch, Crossing, RandomFleet, RandomPoses, find_scenario
-from hav_env.scenarios import Explicit, Field, SitePoses, populate
+from hav_env import Batch, Crossing, RandomFleet, RandomPoses, build_site, find_scenario
+from hav_env.scenarios import Explicit, Field, RandomSitePoses, SitePoses, populate
 from hav_env.vehicles import VEHICLES
 from hav_env.world.arrays import FOOTPRINT, POTENTIAL
 from tests.support.budgets import COMPARED, COMPILED, budget
 from tests.support.worlds import bits, places_of, sample
 
-REAL = "field-4", "docks-6"  # of real vehicles
-DRAWN = [kind for kind in populate.table if kind not in (Explicit, Field, SitePoses)]
+REAL = "field-4", "docks-6", "random poses on a site"
+AMONG_WALLS = Explicit, Field, RandomSitePoses, SitePoses
+DRAWN = [kind for kind in populate.table if kind not in AMONG_WALLS]
 every_kind = pytest.mark.parametrize("kind", DRAWN)
 
 
@@ -58,10 +59,18 @@ def test_an_episode_does_not_depend_on_the_others(kind, num_havs):
         assert bits(alone.worlds) == bits(together.worlds, episode)
 
 
+def real_place(name):
+    """Return a scenario among walls by its name in these tests."""
+    if name in REAL[:2]:
+        return find_scenario(name)
+    site = build_site([(0, 0), (300, 0), (300, 300)], [[(150, 50), (200, 60), (180, 90)]])
+    return RandomSitePoses(site, num_havs=2)
+
+
 @pytest.mark.parametrize("name", REAL)
 def test_nor_does_one_at_a_real_place(name):
     together, alone = (
-        Batch(find_scenario(name), size, vehicle=VEHICLES.make("realistic")) for size in (12, 1)
+        Batch(real_place(name), size, vehicle=VEHICLES.make("realistic")) for size in (12, 1)
     )
     together.reset(5)
     for episode in (0, 3, 11):
@@ -95,16 +104,20 @@ SCRIPT = """
 import hashlib
 from hav_env import Batch
 from hav_env.world.lanes import view_of
-from hav_env import find_scenario
+from hav_env import RandomSitePoses, build_site, find_scenario
 from hav_env.scenarios import populate
 from hav_env.vehicles import VEHICLES
 from hav_env.world.units.parts import arrays_in
 
-plain = [kind for kind in populate.table if kind.__name__ not in ("Explicit", "Field", "SitePoses")]
-for kind in (*plain, "field-4", "docks-6"):
+walled = "Explicit", "Field", "RandomSitePoses", "SitePoses"
+plain = [kind for kind in populate.table if kind.__name__ not in walled]
+site = build_site([(0, 0), (300, 0), (300, 300)], [[(150, 50), (200, 60), (180, 90)]])
+for kind in (*plain, "field-4", "docks-6", RandomSitePoses):
     for num_havs in (1, 2, 5):
         if isinstance(kind, str):
             scenario, vehicle = find_scenario(kind)._replace(num_havs=num_havs), "realistic"
+        elif kind is RandomSitePoses:
+            scenario, vehicle = kind(site, num_havs), "on_axle"
         else:
             scenario, vehicle = kind(num_havs=num_havs, num_goals=2), "on_axle"
         batch = Batch(scenario, 5, vehicle=VEHICLES.make(vehicle))

@@ -1,8 +1,8 @@
 """Every connection of every site can be driven, by every vehicle, without touching anything.
 
-A driver follows the drives that are kept in tests/scenarios/drives, one HAV alone in the simulator.
-Shapely says whether a body touches a segment, at steps and in between: it compares the convex hulls
-of bodies over some steps.
+A driver follows the drives that are stored in tests/scenarios/drives, one HAV alone in the
+simulator. Shapely tests whether a body touches a segment, at steps and in between: it compares the
+convex hulls of bodies over some steps.
 """
 
 import functools
@@ -14,7 +14,7 @@ import shapely
 from baselines.sites.drives import DRIVE_MARGIN, read_paths
 from baselines.sites.follow import covering_episodes, follow
 from hav_env import Batch
-from hav_env.places.site import is_inside
+from hav_env.places import build_site, is_inside
 from hav_env.scenarios.presets import SITES, find_scenario, scenario_of
 from hav_env.scenarios.sites import SITE_VEHICLES
 from hav_env.vehicles import VEHICLES as MODELS
@@ -73,7 +73,13 @@ def alone(name):
 
 
 @pytest.mark.skipif(not COMPILED, reason="hundreds of thousands of steps")
-@sites
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name == "gate-2" else [pytest.mark.exhaustive])
+        for name in SITES
+    ],
+)
 def test_every_vehicle_drives_every_connection_and_touches_nothing(name):
     scenario = alone(name)
     episodes, covered = covering_episodes(scenario, seed=1, most=3_000)
@@ -136,6 +142,26 @@ def test_vehicles_have_room_at_all_places_at_once(name):
         assert tree.query(bodies, predicate="intersects").shape[1] == 0
         for corner in corners.reshape(-1, 2):
             assert is_inside(scenario.site, *corner)
+
+
+def test_bodies_in_the_way_are_refused_at_every_place():
+    """Beside the rear axle of a truck, a trailer or the vehicle at the next place may be."""
+    docks = SITES["docks-6"]
+    lane = int(np.flatnonzero(docks.first)[0])
+    x, y, heading = docks.place[lane]
+    behind = y + 12.0  # the trailers, for vehicles head to the south there
+    wall = build_site(lines=[[(x - 1.0, behind), (x + 1.0, behind)]])
+    narrow = docks._replace(site=wall)
+    told = rf"scenario place {lane} is at .* but vehicle 0 of the fleet must not touch a line"
+    with pytest.raises(ValueError, match=told):
+        scenario_of(narrow)
+    scenario_of(narrow._replace(site=build_site(lines=[[(x + 1.4, behind), (x + 2.0, behind)]])))
+    place = docks.place.copy()
+    place[lane + 1] = x + 2.4, y, heading
+    with pytest.raises(ValueError, match=f"vehicle 0 at place {lane} and vehicle 0 at place"):
+        scenario_of(docks._replace(place=place))
+    place[lane + 1] = x + 2.6, y, heading
+    scenario_of(docks._replace(place=place))
 
 
 @sites

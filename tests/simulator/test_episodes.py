@@ -1,4 +1,4 @@
-"""An episode has a seed and a number, and is the same one wherever it is asked for."""
+"""An episode has a seed and a number, and is the same in every interface."""
 
 import copy
 import pickle
@@ -22,7 +22,7 @@ def start_of(worlds, w=0):
 
 
 def drawn(seed, episode, scenario="paper-pair"):
-    """Return where an episode of the simulator starts and leads."""
+    """Return the starts and goals of an episode of the simulator."""
     batch = Batch(find_scenario(scenario), 1)
     batch.reset(seed, np.array([episode]))
     return start_of(batch.worlds)

@@ -1,4 +1,4 @@
-"""In turn, each HAV decides on what those before it have done: as if one after the other steps."""
+"""In turn, each HAV decides on the results of those before it, as if they step in sequence."""
 
 import sys
 from unittest import mock
@@ -21,8 +21,8 @@ from tests.support.policies import Weaving
 IN_TURN = Task(order="in_turn")
 PAIR = RandomPoses(num_havs=2)
 EARLY = {2: [14, 15, 85, 89], 3: [83, 117, 185]}  # HAVs: episodes in which they meet within 6 s
-# The oracle's HAVs get goals amid what is one step in turn. That matters only where others wait for
-# them: so nobody hits a goal, or each gets its next goal alone.
+# The oracle's HAVs get goals in the middle of a step in turn. That matters only if others wait for
+# them: so no HAV hits a goal, or each gets its next goal alone.
 NO_GOALS = {"distance_tolerance": 1e-6, "heading_tolerance": 1e-6}
 ALONE = {"distance_tolerance": 8.0, "heading_tolerance": 0.8, "next_goal": "alone"}
 POLICIES = [AvoidJack(), AvoidJack(evasion_release=1.3, keep_first=False), Weaving()]
@@ -67,7 +67,7 @@ def one_by_one(policy, scenario, seed, episodes, task):
 
 
 def moved(worlds) -> dict[str, np.ndarray]:
-    """Return where everybody is and what was recorded of the way there."""
+    """Return the positions and records of all HAVs."""
     record = worlds.record
     return {
         "x": worlds.state.x,
@@ -101,7 +101,7 @@ def test_in_turn_is_to_let_one_hav_move_at_a_time(policy, num_havs, rules):
         assert evasions > 100
         assert differs.sum() >= budget(7, 3)
     else:
-        assert not differs.any()  # it looks at nobody
+        assert not differs.any()  # it observes no other HAV
     if rules is NO_GOALS:
         assert (steps == NEVER).all()
     elif COMPILED or (isinstance(policy, AvoidJack) and num_havs == 2):
@@ -121,7 +121,7 @@ def test_a_single_hav_does_the_same_in_both_orders(policy):
 
 @pytest.mark.parametrize("rules", [{}, {"next_goal": "alone"}, {"on_goal": "remove"}])
 def test_who_never_meets_anybody_does_the_same_in_both_orders(rules):
-    """AVOID-JACK looks at others in potential collision alone; goals are hit, and others wait."""
+    """AVOID-JACK evades others in potential collision only; goals are hit, and others wait."""
     apart = RandomPoses(num_havs=2, area_factor=60.0)
     task = Task(max_steps=budget(8_000, 60), **rules)
     episodes = np.arange(budget(60, 5))

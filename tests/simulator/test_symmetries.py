@@ -1,4 +1,4 @@
-"""It does not matter where a world lies, nor which HAV is called the first."""
+"""Neither the position of a world nor the order of its HAVs matters."""
 
 import numpy as np
 import pytest
@@ -48,7 +48,7 @@ def reordered(options, order):
 def play(options, order, steps, vehicle):
     """Return observations, rewards and numbers of info, in the order of the HAVs as written.
 
-    The HAV that stands at place p of the options takes the actions of HAV order[p].
+    The HAV at place p of the options takes the actions of HAV order[p].
     """
     env = parallel_env(
         scenario=RandomPoses(num_havs=NUM_HAVS),

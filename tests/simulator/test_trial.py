@@ -1,4 +1,4 @@
-"""A mistake in code of the user's is one line with file and line, before anything is compiled."""
+"""A mistake in a user's code is one line with file and line, before anything is compiled."""
 
 import importlib
 import re
@@ -65,7 +65,7 @@ def mine(tmp_path, monkeypatch):
     sys.modules.pop("written_here", None)
     for table in (act.table, act_lanes.table, move.table, populate.table):
         for model in [model for model in table if model.__module__ == "written_here"]:
-            del table[model]  # other tests count what there is
+            del table[model]  # other tests count the registered models
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_a_wrong_policy_is_one_line(register, arguments, body, told, mine):
         check_policy(policy, RandomPoses())
     assert re.search(r"written_here.py, line (19|2\d)\)$", str(error.value))
     assert "\n" not in str(error.value)
-    with pytest.raises(ValueError, match=told):  # and again: it is not taken for tried
+    with pytest.raises(ValueError, match=told):  # and again: a failed trial does not count as tried
         rollout(policy, RandomPoses(), 0, np.arange(1))
 
 

@@ -25,7 +25,7 @@ PAIR = Experiments(AvoidJack(), RandomPoses(num_havs=2), 8, 5, Task(max_steps=20
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    """Run Ray where policies of one's own lie in the working directory."""
+    """Run Ray with custom policies in the working directory."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(EXAMPLES)
         patch.syspath_prepend(EXAMPLES)
@@ -88,7 +88,7 @@ def test_either_engine_goes_on_where_the_other_stopped(engine, tmp_path):
             advance=lambda n, moved, steps=steps: steps.append(moved),
             **engines_of[second is not None],
         )
-        assert steps.count(0) == 1  # what was there was not run again
+        assert steps.count(0) == 1  # the stored parts were not run again
         assert len(steps) == 3
         assert resumed.read_bytes() == whole.read_bytes()
 

@@ -1,4 +1,4 @@
-"""The recipes in examples/ run as they are, and end with policies that the evaluator reads."""
+"""The recipes in examples/ run unchanged, and end with policies that the evaluator reads."""
 
 import importlib
 import sys

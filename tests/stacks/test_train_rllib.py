@@ -22,7 +22,7 @@ SHORT = Task(max_steps=200)
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Give a folder, and Ray."""
+    """Yield a folder, and Ray."""
     folder = tmp_path_factory.mktemp("rllib")
     with ray_here(folder, cores=2):
         yield folder
@@ -43,7 +43,7 @@ def trained(folder):
 
 
 def forward(network, observations):
-    """Return the actions of a Network as the rollout works them out, (B, 2)."""
+    """Return the actions of a Network as the rollout computes them, (B, 2)."""
     lanes = len(observations)
     rows = np.zeros((network.sizes[0] + 2 * network.sizes[1:].max(), lanes))
     rows[: network.sizes[0]] = observations.T

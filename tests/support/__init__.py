@@ -1,1 +1,1 @@
-"""This package holds what tests share."""
+"""This package holds the shared helpers of tests."""

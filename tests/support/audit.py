@@ -1,7 +1,7 @@
-"""An audit of what HAVs do, by brute force: it knows lengths, positions and headings, no policy.
+"""An audit of HAVs by brute force: it knows lengths, positions and headings, no policy.
 
-After every step it looks at the chains of all pairs, at every joint, and at HAVs that wait. Where
-chains are near it looks between the steps too: wheels roll there, or axles go straight from place
+After every step it checks the chains of all pairs, every joint, and all waiting HAVs. For near
+chains it also checks the time between steps: wheels roll there, or axles move straight from place
 to place.
 """
 
@@ -16,21 +16,21 @@ from hav_env import Batch, Task
 from hav_env.policies.driver import PolicyDriver
 
 FAR = 0.5  # [m] chains whose boxes are farther apart are not measured
-PIECES = 12  # of a step that is looked into
+PIECES = 12  # parts of a step that are checked
 CONTACT = 1e-9  # [m] chains that are nearer touch, but for rounding
 
 Interference = Callable[[int, Any, np.ndarray, np.ndarray], None]
 
 
 class Pose(NamedTuple):
-    """Where all HAVs are."""
+    """Positions of all HAVs."""
 
     rear: np.ndarray  # (N, W) rear axle of the truck, x + iy [m]
     heading: np.ndarray  # (N, U, W) [rad]
 
 
 def poses_of(worlds) -> Pose:
-    """Return where all HAVs are now."""
+    """Return the present positions of all HAVs."""
     state = worlds.state
     return Pose(state.x + 1j * state.y, state.heading.copy())
 
@@ -49,7 +49,7 @@ def axles_of(worlds, pose: Pose | None = None) -> np.ndarray:
 def roll(worlds, pose: Pose, dt: float) -> Iterator[np.ndarray]:
     """Yield the axles on the way through the step that was just done, as wheels roll.
 
-    They are eqs. (kinematics) and (kinematics-trailers) from where the step began, in ``PIECES``
+    They are eqs. (1) and (2) from where the step began, in ``PIECES``
     pieces by the midpoint rule.
     """
     state, length = worlds.state, worlds.fleet.length
@@ -119,18 +119,18 @@ def pair_distances(axles, far: float = FAR) -> np.ndarray:
 
 
 class Audit:
-    """What was seen in a batch, step by step.
+    """Findings in a batch, step by step.
 
     Attributes:
-        largest: articulation of each HAV (N, W) [rad].
-        least: distance of each pair (P, W) at a step [m]; inf for pairs that touched at the start.
-        between: the same on the way from step to step.
-        steps: how many were looked at.
-        restless: how many HAVs moved while they waited.
+        largest: Articulation of each HAV (N, W) [rad].
+        least: Distance of each pair (P, W) at a step [m]; inf for pairs that touched at the start.
+        between: The same on the way from step to step.
+        steps: Number of checked steps.
+        restless: Number of HAVs that moved while they waited.
     """
 
     def __init__(self, worlds: Any, dt: float = 0.2) -> None:
-        """Look at the start; ``dt`` is the duration of a step [s]."""
+        """Check the start; ``dt`` is the duration of a step [s]."""
         self.worlds, self.dt = worlds, dt
         self.pose, self.axles = poses_of(worlds), axles_of(worlds)
         self.touched = pair_distances(self.axles) <= CONTACT
@@ -141,7 +141,7 @@ class Audit:
         self.steps = self.restless = 0
 
     def look(self) -> None:
-        """Look at what a step has led to."""
+        """Check the results of a step."""
         axles, before = axles_of(self.worlds), self.axles
         moved = (axles != before).any(axis=2)
         self.restless += np.count_nonzero(moved & self.waiting)
@@ -169,7 +169,7 @@ class Audit:
             self.between = np.minimum(self.between, found)
 
     def approve(self) -> None:
-        """Demand no contact, no jackknife, and that who waits stands."""
+        """Require no contact, no jackknife, and that waiting HAVs stand."""
         limit = np.abs(self.worlds.fleet.limit[:, 2])
         assert (self.largest < limit).all(), f"jackknife: {np.degrees(self.largest.max()):.1f} deg"
         least = np.minimum(self.least, self.between)
@@ -190,13 +190,14 @@ def drive(
     """Let a policy drive until all HAVs have arrived, and audit every step.
 
     Args:
-        scenario: scenario of the worlds.
-        seed: seed of their random numbers.
-        episodes: numbers of the episodes, one for each world.
-        steps: largest number of steps.
-        policy: policy that drives every HAV.
-        task: rules of the episodes.
-        interfere: is called with step, memory, speed and steering before each step, to change them.
+        scenario: Scenario of the worlds.
+        seed: Seed of their random numbers.
+        episodes: Numbers of the episodes, one for each world.
+        steps: Largest number of steps.
+        policy: Policy that drives every HAV.
+        task: Rules of the episodes.
+        interfere: Function called with step, memory, speed and steering before each step, to change
+            them.
     """
     batch = Batch(scenario, len(episodes), task)
     batch.reset(seed, np.asarray(episodes))

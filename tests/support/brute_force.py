@@ -9,7 +9,7 @@ NEVER = -1
 
 
 def axles(trajectory, hav) -> np.ndarray:
-    """Return where the axles of a HAV are in all states (T, units + 1, 2), front to end."""
+    """Return the axles of a HAV in all states (T, units + 1, 2), front to end."""
     units = trajectory.num_trailers[hav] + 1
     headings, lengths = trajectory.heading[:, hav, :units], trajectory.length[hav, :units]
     ways = lengths[:, None] * np.stack([np.cos(headings), np.sin(headings)], axis=2)
@@ -18,14 +18,14 @@ def axles(trajectory, hav) -> np.ndarray:
 
 
 def chains_touch(trajectory) -> np.ndarray:
-    """Tell (T, N, N) whose chains of axles have a point in common."""
+    """Return (T, N, N) which chains of axles have a point in common."""
     lines = [shapely.linestrings(axles(trajectory, i)) for i in range(len(trajectory.goals))]
     lines = np.stack(lines, axis=1)
     return shapely.intersects(lines[:, :, None], lines[:, None, :])
 
 
 def circles_touch(trajectory, center=0.0, truck_share=0.0) -> np.ndarray:
-    """Tell (T, N, N) whose circles overlap: about a point of each truck, widened by its length."""
+    """Return (T, N, N) which circles overlap, about a point of each truck, with its length."""
     trucks = trajectory.length[:, 0]
     radii = trajectory.footprint + truck_share * trucks
     places = trajectory.x + 1j * trajectory.y
@@ -35,7 +35,7 @@ def circles_touch(trajectory, center=0.0, truck_share=0.0) -> np.ndarray:
 
 
 def first_partners(touching, every=1) -> list[tuple[int, set[int]]]:
-    """Return of each HAV when it first touches another after every so many steps, and whom."""
+    """Return, for each HAV, when it first touches another after every so many steps, and which."""
     found = []
     for hav in range(touching.shape[1]):
         others = touching[:, hav].copy()
@@ -46,7 +46,7 @@ def first_partners(touching, every=1) -> list[tuple[int, set[int]]]:
 
 
 def first_jackknifes(trajectory, every=1) -> list[tuple[int, int]]:
-    """Return of each HAV when it first is jackknifed after every so many steps, and which joint."""
+    """Return, for each HAV, when it is first jackknifed every so many steps, and which joint."""
     found = []
     for hav, trailers in enumerate(trajectory.num_trailers):
         bends = np.diff(trajectory.heading[:, hav, : trailers + 1], axis=1)

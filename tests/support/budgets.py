@@ -1,4 +1,4 @@
-"""This module says how many examples a run can afford: plain Python is a hundred times slower."""
+"""This module sets the number of examples of a run: plain Python is a hundred times slower."""
 
 import numba
 

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def leaves(value, name="") -> dict:
-    """Return all that is in nested dictionaries and sequences, by where it is."""
+    """Return the leaves of nested dictionaries and sequences, by their path."""
     if isinstance(value, dict):
         parts = value.items()
     elif isinstance(value, tuple | list):
@@ -17,7 +17,7 @@ def leaves(value, name="") -> dict:
 
 
 def exactly(value) -> dict:
-    """Return the same as types and bits, to be compared."""
+    """Return the same as types and bits, for comparison."""
     return {
         name: (type(part), getattr(part, "dtype", None), np.asarray(part).tobytes())
         for name, part in leaves(value).items()

@@ -1,4 +1,4 @@
-"""Networks to be tested with, and what they work out, once more and in double precision."""
+"""Networks for tests, and their outputs, computed again in double precision."""
 
 import itertools
 import json
@@ -13,7 +13,7 @@ from hav_env.observation import name_columns
 
 @entry
 def forward_worlds(first, last, policy, rows):
-    """Work out a network in a range of the lanes of ``rows`` (K, W), of which the first are inputs.
+    """Compute a network in a range of the lanes of ``rows`` (K, W), of which the first are inputs.
 
     Both outputs are moved to the first two rows.
     """
@@ -25,7 +25,7 @@ def forward_worlds(first, last, policy, rows):
 
 
 def forward(network: Network, observations) -> np.ndarray:
-    """Return both outputs (W, 2) for observations (W, D), as compiled code works them out."""
+    """Return both outputs (W, 2) for observations (W, D), as compiled code computes them."""
     size = int(network.sizes[0]) + 2 * int(max(network.sizes[1:]))
     rows = np.zeros((size, len(observations)))
     rows[: network.sizes[0]] = np.transpose(observations)
@@ -76,7 +76,7 @@ def random_network(
 def pursuing_network(neighbors=0, max_trailers=10, **fields) -> Network:
     """Return a network that follows the Dubins path to the goal at full speed.
 
-    It has no layer between, and its outputs are cut.
+    It has no hidden layer, and its outputs are clipped.
     """
     network = random_network(0, (), neighbors, max_trailers, **fields)
     columns = name_columns(network.observation, max_trailers)

@@ -34,7 +34,7 @@ def weave(policy, memory, world, agent, lane):
 
 
 class Probe(NamedTuple):
-    """Stand still and write down all that is sensed."""
+    """Stand still and record all sensed quantities."""
 
     width: int = 64
 
@@ -72,9 +72,9 @@ def probe(policy, memory, world, agent, lane):
 
 
 class OneByOne(NamedTuple):
-    """AVOID-JACK written for one HAV, which asks lane after lane; ``AvoidJack`` is for many lanes.
+    """AVOID-JACK written for one HAV, which works lane by lane; ``AvoidJack`` is for many lanes.
 
-    Both call the same functions of single numbers; the loops are what is compared.
+    Both call the same functions of single numbers; the tests compare the loops.
     """
 
     rules: AvoidJack = AvoidJack()
@@ -117,7 +117,7 @@ def avoid_jack_one_by_one(policy, memory, world, agent, lane):
 
 
 class Watched(NamedTuple):
-    """Rewards that tell what their kernel is given."""
+    """Rewards that report the arguments of their kernel."""
 
     seconds: float = 1.0
     east: float = 2.0

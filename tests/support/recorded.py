@@ -3,6 +3,7 @@
 import numpy as np
 
 from baselines.replay.trajectory import Trajectory
+from hav_env.maths.kdop import SIDES
 from hav_env.world.arrays import NEVER, OBSTACLE
 from hav_env.world.event_table import EVENTS
 
@@ -29,6 +30,8 @@ def driven_into_wall() -> Trajectory:
         steering=same,
         motion=np.stack([same + 2.0, same], axis=-1),
         evaded=np.full((rows, havs), NEVER),
+        reserved=np.full((rows, havs), NEVER),
+        outline=np.zeros((0, SIDES, 2)),
         num_trailers=np.ones(havs, np.int64),
         length=np.full((havs, units), 4.0),
         offset=np.zeros((havs, units)),
@@ -40,8 +43,19 @@ def driven_into_wall() -> Trajectory:
         first=first,
         hit_step=np.full((havs, 1), NEVER),
         dt=0.2,
+        max_steps=rows - 1,
         policy="nobody",
         scenario="walls",
         seed=0,
         episode=0,
     )
+
+
+def arrives_in_reserved_area() -> Trajectory:
+    """Return the same episode in which HAV 1 has reserved an area, and arrives in step 80."""
+    walls = driven_into_wall()
+    angles = np.linspace(0.0, 2.0 * np.pi, SIDES, endpoint=False)
+    corners = np.array([30.0, 40.0]) + np.stack([45 * np.cos(angles), 12 * np.sin(angles)], -1)
+    reserved, hits, waiting = walls.reserved.copy(), walls.hit_step.copy(), walls.waiting.copy()
+    reserved[:80, 1], hits[1, 0], waiting[80:, 1] = 0, 80, True
+    return walls._replace(outline=corners[None], reserved=reserved, hit_step=hits, waiting=waiting)

@@ -1,4 +1,4 @@
-"""Archives as strangers craft them; ``python -m tests.support.strangers FOLDER`` opens a folder."""
+"""Archives as attackers craft them; ``python -m tests.support.strangers FOLDER`` opens a folder."""
 
 import io
 import json
@@ -14,11 +14,11 @@ import numpy as np
 from baselines.policies.files import load_trained
 from baselines.replay.trajectory_files import load_trajectory
 
-ROOM = 200 << 20  # [bytes] that reading may take
+ROOM = 200 << 20  # [bytes] of memory for reading
 
 
 def head(shape, descr="<f4", fortran=False):
-    """Return the first bytes of an array's file, whatever they promise."""
+    """Return the first bytes of an array's file, with any claims."""
     text = f"{{'descr': {descr!r}, 'fortran_order': {fortran}, 'shape': {shape}, }}\n".encode()
     return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text
 
@@ -81,7 +81,7 @@ def garble(content, rng):
 
 
 def main(folder):
-    """Open every file with little memory left; print what was said, and how long it took."""
+    """Open every file with little memory left; print the messages, and the duration."""
     used = int(pathlib.Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + ROOM, used + ROOM))
     for path in sorted(folder.iterdir()):

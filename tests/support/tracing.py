@@ -9,7 +9,7 @@ from numba.core.dispatcher import _FunctionCompiler
 
 
 def untraced(function: Callable) -> Callable:
-    """Return a function that runs without the tracer of its thread, which goes on behind it."""
+    """Return a function that runs without the tracer of its thread, which continues after it."""
 
     @functools.wraps(function)
     def call(*args: Any, **options: Any) -> Any:

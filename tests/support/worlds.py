@@ -37,7 +37,7 @@ def places_of(worlds):
 
 
 def open_plane(num_worlds=1, num_havs=1, num_trailers=3, *, task=Task(), vehicle=None, goals=1):
-    """Return a batch whose HAVs are to be overwritten by ``put``; nobody is near a goal."""
+    """Return a batch whose HAVs ``put`` overwrites; none is near a goal."""
     fleet = RandomFleet(max_trailers=num_trailers)
     scenario = RandomPoses(num_havs=num_havs, num_goals=goals, fleet=fleet, area_factor=1e4)
     vehicles = {} if vehicle is None else {"vehicle": vehicle}
@@ -90,14 +90,14 @@ def limit(worlds, *, speed=1.0, steering=math.radians(50), articulation=math.pi 
 
 
 def stand(batch, steps: int = 1) -> None:
-    """Let time pass while nobody moves: what was written is looked at and recorded."""
+    """Step without movement: written states are sensed and recorded."""
     nothing = np.zeros(batch.worlds.state.x.shape)
     for _ in range(steps):
         batch.step(nothing, nothing)
 
 
 def bits(worlds, w: int = 0) -> list[bytes]:
-    """Return the bytes of everything in a world but what the search for neighbours keeps."""
+    """Return the bytes of everything in a world except the state of the neighbour search."""
     world = view_of(worlds, w)
     count, index = world.nearby[:2]
     neighbors = [row[:filled] for row, filled in zip(index, count, strict=True)]

@@ -1,4 +1,4 @@
-"""A checkpoint runs no code, and one that is broken or crafted is named in one line."""
+"""A checkpoint runs no code, and a broken or crafted one is named in one line."""
 
 import contextlib
 import os
@@ -34,13 +34,13 @@ def folder(tmp_path_factory) -> pathlib.Path:
 
 @pytest.fixture(scope="module")
 def fresh(folder) -> ppo.Run:
-    """Return a run to be restored, whose worlds were not begun."""
+    """Return a run to restore, whose worlds have not begun."""
     return ppo.Run(ppo.read_arguments(words(folder, **SMALL))[0])
 
 
 @pytest.fixture
 def path(folder, fresh, tmp_path):
-    """Return a copy of the checkpoint, from which the run would go on."""
+    """Return a copy of the checkpoint, from which the run would continue."""
     copied = tmp_path / "checkpoint.pt"
     copied.write_bytes((folder / "checkpoint.pt").read_bytes())
     kept, fresh.arguments = fresh.arguments, fresh.arguments.__class__(output=tmp_path)

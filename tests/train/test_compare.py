@@ -37,7 +37,7 @@ def short_episodes(monkeypatch):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A comparison that has been made."""
+    """Return the folder of a finished comparison."""
     folder = tmp_path_factory.mktemp("compare")
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)

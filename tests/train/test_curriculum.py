@@ -1,4 +1,4 @@
-"""Harm weighs more and more, nothing else changes, and only the next rewards know of it."""
+"""Harm weighs more and more, nothing else changes, and only later rewards depend on it."""
 
 import numpy as np
 import pytest
@@ -80,7 +80,7 @@ STEPS = budget(20, 6)
 
 
 def run(changed, num_worlds=3):
-    """Return what a process tells after each action; at ``changed`` its reward becomes another."""
+    """Return the results of a process after each action; its reward changes at ``changed``."""
     process = DecisionProcess(num_worlds, scenario="paper-pair", frame_skip=2)
     seeds, rng = np.arange(num_worlds), np.random.default_rng(0)
     everywhere = np.ones(num_worlds, bool)

@@ -1,4 +1,4 @@
-"""Trainings take rewards and vehicles of one's own, by name, as docs/training.md says."""
+"""Trainings take custom rewards and vehicles by name, as docs/training.md states."""
 
 import json
 import os
@@ -31,14 +31,14 @@ sys.exit(ppo.main(sys.argv[1:]))
 
 
 class Arrival(NamedTuple):
-    """One for each HAV that arrives; nothing stands for harm."""
+    """One for each HAV that arrives; no term stands for harm."""
 
     arrival: float = 1.0
     late: float = -2.0
 
 
 class Lame(NamedTuple):
-    """Drives as the paper's."""
+    """Drives like the paper's vehicle."""
 
     substeps: int = 1
     simultaneous: bool = False
@@ -100,6 +100,7 @@ def test_models_are_options_and_so_are_their_parameters(options, reward, vehicle
         assert type(again.vehicle.actuators) is type(vehicle.actuators)
 
 
+@pytest.mark.exhaustive
 def test_a_training_with_models_of_ones_own_ends_and_goes_on(tmp_path, monkeypatch):
     rollout = scores.rollout
     monkeypatch.setattr(scores, "rollout", lambda *a, **k: rollout(*a, task=EVALUATED, **k))
@@ -111,13 +112,11 @@ def test_a_training_with_models_of_ones_own_ends_and_goes_on(tmp_path, monkeypat
 
 
 def test_the_example_of_the_documentation_trains(tmp_path):
-    """Its reward is written into a module, as it says, and its command run, but shorter."""
+    """Its reward is written into a module, as documented, and its command run, but shorter."""
     text = (ROOT / "docs/training.md").read_text()
     (module,) = re.findall(r"```python\n# (?:my_bend_reward\.py)\n(.*?)```", text, re.DOTALL)
     (tmp_path / "my_bend_reward.py").write_text(module)
-    (command,) = re.findall(
-        r"^python -m train\.ppo (.*--reward my_bend_reward.*)$", text, re.MULTILINE
-    )
+    (command,) = re.findall(r"^hav-env train (.*--reward my_bend_reward.*)$", text, re.MULTILINE)
     said = command.split("#")[0].split()
     short = words(tmp_path / "run")[2:]
     told = {"PYTHONPATH": f"{tmp_path}:{ROOT}", "NUMBA_DISABLE_JIT": "1"}

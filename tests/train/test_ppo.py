@@ -1,4 +1,4 @@
-"""A training is determined by its arguments, goes on where it was, and leaves what acts alone."""
+"""Arguments determine a training, which resumes where it was, and leaves files that act alone."""
 
 import functools
 import json
@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from baselines.policies.files import load_policy, load_trained
-from hav_env import Reward, find_scenario
+from hav_env import HAVVecEnv, Reward, find_scenario
 from hav_env.evaluation.comparison import figures_of, measure
 from hav_env.evaluation.rollout import rollout
 from hav_env.mdp.info import REPORT
@@ -22,18 +22,19 @@ from train.runs import restore
 from train.sb3 import callback
 from train.sb3.callback import TrainingCallback
 from train.scores import HELD_OUT, score
+from train.training_task import REWARD
 
 trains_again = pytest.mark.skipif(not COMPILED, reason="trainings like the one that is tested")
 
 
 @pytest.fixture(autouse=True)
 def short_evaluations(monkeypatch):
-    """Who is not trained to its end hits no goals: episodes would take their full time."""
+    """An unfinished training hits no goals: episodes would take their full time."""
     monkeypatch.setattr(scores, "rollout", functools.partial(rollout, task=EVALUATED))
 
 
 def arrays_of(folder, name="last.policy"):
-    """Return all that acts, to the bit."""
+    """Return all data that determine actions, to the bit."""
     policy = load_policy(folder / name)
     return [getattr(policy, field).tobytes() for field in ("sizes", "weights", "mean", "scale")]
 
@@ -45,7 +46,7 @@ def curve_of(folder):
 
 
 def states_of(folder):
-    """Return the numbers of the checkpoint that go on: weights, moments, random numbers."""
+    """Return the numbers of the checkpoint that change: weights, moments, random numbers."""
     state = torch.load(folder / "checkpoint.pt", weights_only=True)
     told = {f"weights {name}": value for name, value in state["policy"].items()}
     for number, moments in state["moments"].items():
@@ -63,7 +64,7 @@ def trained(tmp_path_factory):
         return train(tmp_path_factory.mktemp("runs") / "whole")
 
 
-# what is left
+# files of a training
 
 
 @trains_again
@@ -80,7 +81,7 @@ def test_the_smoke_preset_does_everything_once(tmp_path, capsys, monkeypatch):
 def test_the_run_is_described(trained):
     told = json.loads((trained / "run.json").read_text())
     assert told["arguments"]["decisions"] == 768
-    reward = {"class": "hav_env.mdp.reward:Reward", **ppo.REWARD._asdict()}
+    reward = {"class": "hav_env.mdp.reward:Reward", **REWARD._asdict()}
     assert told["arguments"]["reward"] == reward
     assert {"torch", "stable-baselines3", "numpy"} <= set(told["packages"])
     assert restore(ppo.Arguments, told["arguments"]) == ppo.read_arguments(words(trained))[0]
@@ -140,7 +141,7 @@ def test_tensorboard_shows_every_term_every_event_and_the_evaluations(trained):
 def test_the_best_policy_is_that_of_the_highest_score(tmp_path, monkeypatch):
     hits = iter([0.2, 0.7, 0.7, 0.5])
 
-    def scripted(policy, scenario, episodes, vehicle):
+    def scripted(policy, exercise, episodes):
         return {"jackknifed": 0.1, "goal 1 hit": next(hits), "goal 2 hit": 0.0}
 
     monkeypatch.setattr(callback, "evaluate", scripted)
@@ -185,11 +186,11 @@ def test_the_seed_determines_the_weights(trained, tmp_path):
 
 
 class KilledError(Exception):
-    """What no code expects."""
+    """An error that no code expects."""
 
 
 def stop_after(monkeypatch, decisions, error):
-    """Let a training end all of a sudden in the middle of a rollout."""
+    """Let a training end suddenly in the middle of a rollout."""
     step = TrainingCallback._on_step
 
     def stopping(callback):
@@ -204,7 +205,7 @@ def stop_after(monkeypatch, decisions, error):
 def test_a_training_that_was_killed_ends_as_if_it_had_not_been(
     moments, trained, tmp_path, monkeypatch
 ):
-    """Whatever else was drawn from random numbers meanwhile, and wherever its folder is now."""
+    """Independent of other random draws in the meantime, and of the present path of its folder."""
     folder = tmp_path / "run 0"
     for number, moment in enumerate(moments):
         with monkeypatch.context() as patch:
@@ -239,7 +240,7 @@ def test_a_training_that_is_over_stays_as_it_is(trained, tmp_path, capsys):
 
 
 def test_harm_weighs_what_the_curriculum_says(tmp_path, monkeypatch):
-    weights, process = [], ppo.HAVVecEnv(1).process
+    weights, process = [], HAVVecEnv(1).process
     set_reward = type(process).set_reward
 
     def note(process, reward):
@@ -250,9 +251,9 @@ def test_harm_weighs_what_the_curriculum_says(tmp_path, monkeypatch):
     curriculum = {"curriculum.share": 0.5, "curriculum.begin": 0.0, "curriculum.end": 0.5}
     train(tmp_path / "run", **curriculum)
     shares = [harm_share(Curriculum(0.5, 0.0, 0.5), k / 6) for k in range(6)]
-    found = [reward.jackknife / ppo.REWARD.jackknife for reward in weights]
+    found = [reward.jackknife / REWARD.jackknife for reward in weights]
     assert found == pytest.approx(shares)
-    assert {reward.goal for reward in weights} == {ppo.REWARD.goal}
+    assert {reward.goal for reward in weights} == {REWARD.goal}
 
 
 @trains_again

@@ -1,4 +1,4 @@
-"""A folder is of one training, which goes on as it began; what cannot be trained is named."""
+"""A folder belongs to one training, which continues as it began; invalid trainings are named."""
 
 import json
 import os
@@ -82,11 +82,11 @@ def test_what_is_no_run_is_named(tmp_path):
             read_run(tmp_path / "run", "checkpoint.pt")
 
 
-# commands that cannot be followed
+# invalid commands
 
 
 def refused(capsys, *arguments):
-    """Return the one line that says why, after which nothing has been trained."""
+    """Return the one line that states the reason; nothing has been trained."""
     code = ppo.main(list(map(str, arguments)))
     said = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
     assert code == 2
@@ -111,8 +111,8 @@ SMALL = ["--preset", "smoke", "--worlds", "2", "--batch-size", "64", "--layers",
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--preset", "giant"], "unknown preset 'giant'; known: single, pair, smoke"),
-        (["--preset"], "unknown preset ''"),
+        (["--preset", "giant"], "unknown preset 'giant'; known: single, pair, guided, field,"),
+        (["--preset"], "--preset needs a value behind it"),
         (["--speed", "3"], "--speed"),
         (["stray"], "stray"),
         (["--scenario", "moon"], "unknown scenario 'moon'; known: paper-single"),
@@ -143,9 +143,9 @@ SMALL = ["--preset", "smoke", "--worlds", "2", "--batch-size", "64", "--layers",
         (["--max-steps", "0"], "max_steps is 0"),
         (["--observation.neighbors", "-1"], "neighbors is -1"),
         (["--reward.goal", "nan"], "reward goal is nan"),
-        (["--reward", "smiles"], "unknown reward 'smiles'; known: default"),
+        (["--reward", "smiles"], "unknown reward 'smiles' (did you mean 'site'?); known: default"),
         (["--reward", "json:JSONDecoder"], "'json:JSONDecoder' is not a reward"),
-        (["--reward"], "unknown reward ''"),
+        (["--reward"], "--reward needs a value behind it"),
         (["--vehicle=hover"], "unknown vehicle 'hover'; known: on_axle"),
         (["--vehicle.substeps", "0"], "vehicle substeps is 0"),
         (["--curriculum.share", "2"], "curriculum share is 2.0"),
@@ -169,7 +169,7 @@ def test_a_folder_that_cannot_be_is_named_and_stays_as_it_is(output, tmp_path, c
 
 @pytest.fixture
 def run(tmp_path, monkeypatch):
-    """Return the folder of a run that has come as far as its first checkpoint."""
+    """Return the folder of a run up to its first checkpoint."""
 
     def begin(run):
         run.curve.append({"score": 0.0})
@@ -185,7 +185,7 @@ def run(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--resume"], "--resume needs the folder of a run"),
+        (["--resume"], "--resume needs a value"),
         (["--resume="], "--resume needs the folder of a run"),
         (["--resume", "nowhere"], "nowhere is no training run"),
         (["--resume", "run", "--seed", "1"], "knows no --seed"),

@@ -1,4 +1,4 @@
-"""Trucks accelerate, brake and steer at limited rates; by default they do at once what is said."""
+"""Trucks accelerate, brake and steer at limited rates; by default they follow commands at once."""
 
 import math
 
@@ -24,7 +24,7 @@ def drive(vehicle, scenario, num_worlds, steps, task=Task(), seed=3, share=0.1):
 
     Yields:
         The batch, commanded speed and steering (N, W), speed and steering (N, W) before the step,
-        and who waited then.
+        and the HAVs that waited then.
     """
     batch = Batch(scenario, num_worlds, task, vehicle, threads=1)
     batch.reset(seed)
@@ -129,7 +129,7 @@ def test_without_limits_what_is_limited_is_instant():
                 == getattr(other.worlds.state, name).tobytes()
             ), name
         turned = (batch.worlds.state.steering[~waits].tobytes() for batch in (one, other))
-        assert len(set(turned)) == 1  # what is commanded to one that waits is void
+        assert len(set(turned)) == 1  # commands for a waiting HAV are void
         for name, array in one.worlds.record._asdict().items():
             assert array.tobytes() == getattr(other.worlds.record, name).tobytes(), name
     assert waited > 100

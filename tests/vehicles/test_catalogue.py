@@ -11,7 +11,7 @@ from hav_env.vehicles.combinations.sources import Trailer, Truck, assumed, cited
 
 NAMES = COMBINATIONS.names()
 FOOT = 0.3048  # [m]
-PUBLISHED = {  # overall lengths [m] of documents that do not state how they are made up
+PUBLISHED = {  # overall lengths [m] of documents that do not state their parts
     "eu-semi-trailer": 16.50,  # Directive 96/53/EC
     "eu-truck-trailer": 18.75,
     "eurocombi": 25.25,
@@ -93,7 +93,8 @@ def test_the_sources_that_can_be_installed_say_so():
 
 
 def test_an_unknown_name_lists_all_names():
-    with pytest.raises(ValueError, match="unknown combination 'wb-68'; known: ") as caught:
+    message = r"unknown combination 'wb-68' \(did you mean 'wb-67'\?\); known: "
+    with pytest.raises(ValueError, match=message) as caught:
         catalogue("wb-68")
     assert all(name in str(caught.value) for name in NAMES)
     with pytest.raises(TypeError, match="combination is 67, but must be a name"):

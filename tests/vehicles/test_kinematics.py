@@ -1,4 +1,4 @@
-"""A HAV moves as eqs. (kinematics) and (kinematics-trailers) say."""
+"""A HAV moves as eqs. (1) and (2) state."""
 
 import math
 
@@ -127,7 +127,7 @@ def test_on_a_steady_circle_each_joint_bends_by_length_over_hitch_radius(lengths
 
 @pytest.mark.parametrize("lengths", CIRCLES)
 def test_no_circle_inside_the_minimal_stable_one_can_be_driven_on_for_long(lengths):
-    stable = math.sqrt(sum(length**2 for length in lengths))  # eq. (rmin), of the front axle
+    stable = math.sqrt(sum(length**2 for length in lengths))  # eq. (17), of the front axle
     batch, radius = on_circle(lengths, -0.3, budget(4000, 2000))
     assert math.hypot(radius, lengths[0]) < stable
     assert batch.worlds.record.first[0, JACKKNIFE, WHEN, 0] > 0

@@ -1,4 +1,4 @@
-"""Chains with hitches off the axles move as the equations of the general n-trailer say."""
+"""Chains with off-axle hitches move by the equations of the general n-trailer."""
 
 import math
 
@@ -17,7 +17,7 @@ TRAILERS = budget((1, 2, 3, 5, 7, 10), (1, 4))
 LENGTHS = {n: RNG.uniform(2.5, 9.0, n + 1) for n in TRAILERS}
 OFFSETS = {n: RNG.uniform(-0.6, 0.6, n) * LENGTHS[n][1:] for n in TRAILERS}  # c_1 .. c_n
 MINUTE = 300  # steps of 0.2 s
-# turns of 6 s on radii of 14 m and more, as somebody would drive
+# turns of 6 s on radii of 14 m and more, as a driver would make
 CURVATURES = RNG.uniform(-1 / 14, 1 / 14, MINUTE // 30)
 
 
@@ -74,7 +74,7 @@ def simulated(vehicle, speed, dt=0.2):
 
 
 def errors(vehicle, speed, dt=0.2):
-    """Return how far the farthest axle or hitch of each chain is from where it should be [m]."""
+    """Return the distance of the farthest axle or hitch of each chain from its place [m]."""
     return np.array(
         [
             np.hypot(
@@ -143,7 +143,7 @@ def circle(lengths, offsets, radius):
     bends = []
     for length, c in zip(lengths[1:], offsets, strict=True):
         squared = radius * radius + c * c - length * length
-        if not squared >= 0:  # nor is there a circle for what is behind
+        if not squared >= 0:  # nor is there a circle for the units behind
             return np.array([*bends, *[math.nan] * (len(offsets) - len(bends))])
         bends.append(math.atan2(c, radius) + math.atan2(length, math.sqrt(squared)))
         radius = math.sqrt(squared)

@@ -1,4 +1,4 @@
-"""Vehicles in JSON files: what they say is what one gets, and every mistake is named."""
+"""Vehicles in JSON files: their contents define the vehicle, and every mistake is named."""
 
 import copy
 import json
@@ -20,7 +20,7 @@ TRAIN = json.loads(BLOCK)
 
 
 def written_back(vehicle):
-    """Return what a JSON file of a vehicle of the catalogue holds."""
+    """Return the contents of a JSON file of a vehicle of the catalogue."""
     units = [
         {
             "hitch": behind.hitch if behind else 0.0,

@@ -1,1 +1,1 @@
-"""This package tests what happens in a world: collisions, goals, events, sensing."""
+"""This package tests the events in a world: collisions, goals, sensing."""

@@ -1,4 +1,4 @@
-"""The axles of a HAV are in the same places for the simulator and for all that is drawn."""
+"""The axles of a HAV have the same positions in the simulator and in drawings."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Circles and chains touch when Shapely says so, and the lists of neighbours miss nobody."""
+"""Circles and chains touch when Shapely finds it, and the lists of neighbours miss no HAV."""
 
 import itertools
 
@@ -49,7 +49,7 @@ def test_random_segments_intersect_exactly_when_shapely_says_so(size):
 
 
 def recorded(batch, event) -> np.ndarray:
-    """Tell (W,) whether HAVs 0 and 1 have touched by now; both must know."""
+    """Return (W,) whether HAVs 0 and 1 have touched by now; both records must agree."""
     first = batch.worlds.record.first[:, event]
     assert (first[0, WHEN] == first[1, WHEN]).all()
     assert (first[0, WHERE] == np.where(first[0, WHEN] < 0, -1, 1)).all()
@@ -138,7 +138,7 @@ def test_the_first_collision_and_the_partner_in_it_are_recorded(num_havs, seed):
     batch.reset(seed)
     world = batch.world(0)
     radius = world.fleet.radius[:, FOOTPRINT]
-    expected = {POTENTIAL: {}, ACTUAL: {}}  # HAV: step, who else is in collision then
+    expected = {POTENTIAL: {}, ACTUAL: {}}  # HAV: step, the other HAVs in collision then
     steering = rng.uniform(-0.3, 0.3, (num_havs, 1))
     for step in range(1, budget(400, 250)):
         batch.step(np.full((num_havs, 1), 2.0), steering)

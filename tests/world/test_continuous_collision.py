@@ -1,4 +1,4 @@
-"""Collisions between steps: what Shapely finds on the way is found, and nothing else."""
+"""Collisions between steps: all that Shapely finds on the way are found, and no others."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ point = st.tuples(place, place)
 
 
 def way(before, after):
-    """Return where a point is at all moments (T, 2)."""
+    """Return the positions of a point at all moments (T, 2)."""
     return np.array(before) + MOMENTS * (np.array(after) - np.array(before))
 
 
@@ -87,7 +87,7 @@ def test_looking_between_steps_adds_collisions_and_changes_nothing_else(num_havs
 
 
 def test_whoever_leaves_the_world_sweeps_nothing_on_the_way_out():
-    """A HAV that has arrived is put far away: what lies between is not on its way."""
+    """A HAV that has arrived is put far away: the space between is not on its way."""
     batch = Batch(THROUGH, 1, Task(continuous_collisions=True, on_goal="remove"))
     batch.reset(0)
     batch.worlds.goals[0, 0, :, 0] = batch.worlds.state.goal[0, :3, 0] = -3.0, 0.0, 0.0

@@ -33,7 +33,7 @@ TASK = Task(distance_tolerance=0.5, heading_tolerance=0.1)
 
 
 def hits(distances, turns, direction=0.0, goal_heading=0.0):
-    """Tell which HAVs hit a goal at these distances [m] and heading differences [rad]."""
+    """Return which HAVs hit a goal at these distances [m] and heading differences [rad]."""
     batch = open_plane(len(distances), task=TASK)
     aim(batch.worlds, ALL, ALL, 0.0, 0.0, goal_heading)
     for w, (distance, turn) in enumerate(zip(distances, turns, strict=True)):
@@ -115,7 +115,7 @@ def test_alone_each_goes_on_as_soon_as_it_hits():
     assert world.state.goal[:, PHASE].tolist() == [1, 0]
     assert world.state.goal[:, :2].tolist() == [[50, 0], [500, 0]]
     batch.step(np.ones((2, 1)), np.zeros((2, 1)))
-    assert world.state.x.tolist() == pytest.approx([0.2, 490.2])  # nobody waits
+    assert world.state.x.tolist() == pytest.approx([0.2, 490.2])  # no HAV waits
     put(batch.worlds, [3.0, 4.0], 50.0, 0.0, agent=0)
     stand(batch)
     assert world.state.waiting.tolist() == [True, False]  # at its last goal
@@ -141,7 +141,7 @@ def test_alone_and_together_are_the_same_for_a_single_hav():
 
 @pytest.mark.skipif(not COMPILED, reason="whole episodes of many steps")
 def test_alone_the_first_goals_of_a_pair_that_never_meets_stay_the_same():
-    """Far apart, each HAV does what it does alone in the world; the text lets the first wait."""
+    """Far apart, each HAV acts as if alone in the world; the text lets the first wait."""
     apart = RandomPoses(num_havs=2, area_factor=400.0)
     together, alone = (
         rollout("avoid_jack", apart, 3, np.arange(12), Task(next_goal=how))
@@ -199,7 +199,7 @@ def test_a_goal_given_in_the_last_step_has_no_infinite_approach():
 
 
 def test_the_record_of_an_approach_follows_from_distances_and_headings():
-    """Random approaches, looked at step by step; the oracle knows the definitions alone."""
+    """Random approaches, checked step by step; the oracle knows only the definitions."""
     num_worlds, steps, rng = budget(800, 100), 12, np.random.default_rng(6)
     batch = open_plane(num_worlds, task=TASK)
     aim(batch.worlds, ALL, ALL, 3.0, -4.0, 3.0)

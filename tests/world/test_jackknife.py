@@ -1,4 +1,4 @@
-"""A HAV is jackknifed when cos(articulation) < cos(limit), eq. (cos_delta_lim)."""
+"""A HAV is jackknifed when cos(articulation) < cos(limit), eq. (4)."""
 
 import math
 

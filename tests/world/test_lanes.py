@@ -1,4 +1,4 @@
-"""A world is the same to the bit in whatever lane it is, and whatever is in the lanes beside it."""
+"""A world is the same to the bit in any lane, with any worlds in the lanes beside it."""
 
 import functools
 
@@ -15,7 +15,7 @@ from tests.support.budgets import budget
 from tests.support.policies import OneByOne, Weaving
 from tests.support.worlds import bits, limit, open_plane, put
 
-# Goals that are easily hit, and joints that are easily bent too far: much happens in few steps.
+# Goals that are easy to hit, and joints that are easy to bend too far: many events in few steps.
 TASK = Task(dt=2.0, distance_tolerance=25.0, heading_tolerance=2.8, max_steps=budget(40, 12))
 SHORT = RandomFleet(max_length=5.0, short_truck_mean=3.0, long_truck_mean=5.0, articulation_max=0.6)
 CAREFUL = AvoidJack(beta=0.3)
@@ -41,7 +41,7 @@ def driven(num_havs, episodes, threads=1, vehicle=OnAxle()):
     batch.reset(8, np.array(episodes))
     for speed, steering in actions(num_havs)[..., episodes]:
         batch.step(speed, steering)
-    batch.worlds.state.ahead[:] = 0.0  # scratch: what is left there depends on the longest HAV
+    batch.worlds.state.ahead[:] = 0.0  # scratch: its values depend on the longest HAV
     return batch
 
 

@@ -59,7 +59,7 @@ def test_the_list_of_neighbours_is_that_of_a_search_of_all_pairs(num_havs, layou
 
 
 def disturb(batch, rng):
-    """Do to a batch by hand what users and rollouts may do between two steps."""
+    """Change a batch by hand as users and rollouts may do between two steps."""
     worlds, (num_havs, num_worlds) = batch.worlds, batch.worlds.state.x.shape
     hav, w = rng.integers(num_havs), rng.integers(num_worlds)
     deed = rng.integers(16)
@@ -75,7 +75,7 @@ def disturb(batch, rng):
         put(worlds, rng.uniform(1, 20, 3), *rng.uniform(-100, 100, 2), w=w, agent=hav)
     elif deed == 4:
         worlds.fleet.radius[hav, 0, w] *= rng.uniform(0.8, 1.3)
-    elif deed == 5:  # who has hit its last goal leaves the world in the next step
+    elif deed == 5:  # a HAV that has hit its last goal leaves the world in the next step
         worlds.state.waiting[hav, w], worlds.state.goal[hav, PHASE, w] = True, 0
     elif deed == 6:
         exchange_worlds(worlds, w, worlds, rng.integers(num_worlds))
@@ -115,7 +115,7 @@ def test_neighbors_are_found_whatever_moves_the_havs(num_havs, fastest):
 def test_a_list_is_kept_right_to_its_margin(num_havs, x):
     """Two HAVs come towards each other as far as the list allows, where it matters most."""
     task = Task(sensing_range=10.0)
-    for beyond in (-1e-6, -1e-8, 0.0, 1e-8, 1e-6):  # further apart than the list looks [m]
+    for beyond in (-1e-6, -1e-8, 0.0, 1e-8, 1e-6):  # farther apart than the range of the list [m]
         for moved in (0.5, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, 1.5):  # of the margin
             batch = open_plane(1, num_havs, 2, task=task)
             limit(batch.worlds)

@@ -16,7 +16,7 @@ POLICIES = [DubinsPursuit(), AvoidJack()]
 SCENARIOS = {  # HAVs: scenario, episodes and steps, compiled and not
     2: (RandomPoses(num_havs=2), (12, 12), (600, 8)),
     4: (RandomPoses(num_havs=4, area_factor=2.5), (8, 2), (300, 20)),
-    20: (RandomPoses(num_havs=20), (2, 1), (200, 6)),  # the simulator looks at neighbours
+    20: (RandomPoses(num_havs=20), (2, 1), (200, 6)),  # the simulator compares neighbours
 }
 
 

@@ -1,4 +1,4 @@
-"""With record_every, what happens is what is true of every k-th state; nobody moves otherwise."""
+"""With record_every, events are those of every k-th state; no HAV moves otherwise."""
 
 import functools
 
@@ -124,7 +124,7 @@ def test_goals_and_motion_stay_the_same(policy, every):
 
 
 def test_large_swarms_keep_to_it_too():
-    """The simulator looks at neighbours there, not at all pairs."""
+    """The simulator compares neighbours there, not all pairs."""
     num_havs, policy = 20, DubinsPursuit()
     scenario = DENSE._replace(num_havs=num_havs)
     episodes = EPISODES[: budget(4, 1)]

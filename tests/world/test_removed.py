@@ -1,4 +1,4 @@
-"""Who has left a world is known by that, not by where it stands."""
+"""A flag shows that a HAV has left a world, not its position."""
 
 import numpy as np
 import pytest
@@ -125,7 +125,7 @@ def test_all_that_is_kept_of_an_episode_far_away_is_that_of_one_at_the_origin():
 
 @pytest.mark.parametrize("place", FAR[:2])
 def test_what_is_seen_far_away_is_what_is_seen_at_the_origin(place):
-    """Nothing is lost on the way to float32: neither to learners nor to a central critic."""
+    """The conversion to float32 loses nothing, neither for learners nor for a central critic."""
     seen = []
     for x, y in ((0.0, 0.0), place):
         env = parallel_env(scenario=at(x, y), observation=Observation(2, True, True))

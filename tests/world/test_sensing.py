@@ -1,4 +1,4 @@
-"""What a HAV senses is the world in its own frame, and only what is in range."""
+"""A HAV senses the world in its own frame, and only in range."""
 
 import math
 
@@ -15,7 +15,7 @@ NUM_HAVS, NUM_WORLDS = 5, 20
 
 
 def sense(shift=0j, turn=0.0):
-    """Return all that is sensed in random worlds (N, K, W) that are turned, then shifted."""
+    """Return all sensed quantities in random worlds (N, K, W) that are turned, then shifted."""
     batch = open_plane(NUM_WORLDS, NUM_HAVS, 2, task=Task(sensing_range=RANGE))
     limit(batch.worlds, speed=0.7, steering=0.6, articulation=1.2)
     rng = np.random.default_rng(1)
@@ -32,7 +32,7 @@ def sense(shift=0j, turn=0.0):
             aim(batch.worlds, agent, w, there.real, there.imag, goal[1] + turn)
     batch.worlds.state.waiting[:] = True  # find neighbours, touch nothing
     batch.step(*np.zeros((2, NUM_HAVS, NUM_WORLDS)))
-    batch.worlds.state.waiting[:] = False  # who waits does not look
+    batch.worlds.state.waiting[:] = False  # a waiting HAV does not sense
     memory = allocate_memory(Probe(), NUM_HAVS, NUM_WORLDS)
     decide(Probe(), memory, batch)
     return memory, scene

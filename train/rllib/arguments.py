@@ -2,8 +2,9 @@
 
 import dataclasses
 import pathlib
-from typing import Any
+from typing import Any, Literal
 
+from baselines.cli.run_options import Safety
 from hav_env import Observation
 from train import checks
 from train.curriculum import Curriculum
@@ -12,65 +13,74 @@ from train.training_task import CURRICULUM, OBSERVATION, REWARD, VEHICLE
 
 @dataclasses.dataclass(frozen=True)
 class Arguments:
-    """The arguments of a training; words as in train.ppo."""
+    """The arguments of a training, named as in train.ppo."""
 
     scenario: str = "paper-single"
     """Scenario: its name, a JSON file or module:Class."""
     output: pathlib.Path = pathlib.Path("runs/rllib-single")
     """Folder of the run."""
     address: str | None = None
-    """Address of a Ray cluster, HOST:PORT or auto; by default one is started on this machine."""
+    """Address of a Ray cluster, HOST:PORT or auto; by default Ray starts on this machine."""
     seed: checks.Seed = 0
     """Seed of the episodes and the weights."""
     decisions: checks.Decisions = 5_000_000
-    """For how long to learn: actions of all HAVs together."""
+    """Length of the training: number of actions of all HAVs together."""
     runners: checks.Runners = 0
-    """Processes that drive, on a core each; with 0 the one that learns drives too."""
+    """Number of processes for rollouts, one core each; with 0 the learner's process does them."""
     worlds: checks.Worlds = 32
-    """Number of worlds that each process has side by side."""
+    """Number of parallel worlds in each process."""
     rollout_decisions: checks.Several = 128
-    """Actions of each HAV between updates."""
+    """Number of actions of each HAV between updates."""
     batch_size: checks.Several = 1_024
+    """Number of actions in a minibatch."""
     epochs: checks.Epochs = 8
     """Number of times that PPO learns from each action."""
     learning_rate: checks.AboveZero = 5e-4
-    """At the beginning; it falls to nothing along a straight line."""
+    """Initial learning rate; it falls linearly to 0."""
     discount: checks.Discount = 0.995
-    """For each action."""
+    """Discount factor for each action."""
     gae_lambda: checks.Discount = 0.95
+    """Lambda of generalized advantage estimation."""
     clip_range: checks.AboveZero = 0.2
+    """Clip range of the probability ratio of PPO."""
     entropy: checks.Factor = 0.0
     """Weight of the entropy bonus."""
     deviation: checks.AboveZero = 0.4
-    """Standard deviation of actions at the beginning."""
+    """Initial standard deviation of actions."""
     layers: checks.Layers = (64, 64)
-    """Units of the hidden layers, of the policy and of the value."""
+    """Units of the hidden layers, of the policy and of the value network."""
     frame_skip: checks.Skipped = 5
-    """For how many steps of the simulator an action is held."""
+    """Number of simulator steps that an action is held."""
     max_steps: checks.Steps = 4_000
-    """Most simulator steps of a training episode; those of evaluations are the task's."""
+    """Step limit of a training episode, in simulator steps; evaluations have the task's limit."""
     observation: Observation = OBSERVATION
-    """The observation of others; of no more than there are."""
+    """Observation of the HAVs."""
     trailer_sigma: checks.Spread = 4.5
-    """Sigma of trailer counts in training (``RandomFleet``); evaluations have the scenario's."""
+    """Sigma of trailer counts in training (``RandomFleet``); evaluations use the scenario's."""
     vehicle: Any = VEHICLE
-    """The kinematics."""
+    """Kinematics of the HAVs."""
+    safety: Safety = None
+    """Events that the safety filter prevents, in training and in evaluations."""
+    guidance: str = "dubins"
+    """Guidance to the goals: dubins, witness, lattice, roads or feasible."""
+    on_collision: Literal["record", "end"] = "end"
+    """Rule of training episodes for a collision of HAVs: whether the episode ends."""
     reward: Any = REWARD
-    """Weights of its terms."""
+    """Reward with the weights of its terms."""
     reward_scale: checks.AboveZero = 0.1
-    """Times which the reward is learned from: RLlib does not normalize it."""
+    """Scale factor of rewards, because RLlib does not normalize them."""
     curriculum: Curriculum = CURRICULUM
-    """Growth of the weights of harm."""
+    """Growth of the penalty weights."""
     evaluate_every: checks.Decisions = 200_000
-    """Decisions between evaluations."""
+    """Number of actions of all HAVs between evaluations."""
     evaluation_episodes: checks.Episodes = 500
-    """Held-out episodes of an evaluation."""
+    """Number of held-out episodes of an evaluation."""
 
 
 RLLIB_PRESETS = {
     "single": Arguments(),
     "pair": Arguments(scenario="paper-pair", worlds=16, max_steps=6_000),
-    # is done in seconds, and learns nothing to speak of
+    # ends within seconds, and learns almost nothing
     "smoke": Arguments(
         decisions=2_000,
         worlds=4,
@@ -85,7 +95,7 @@ RLLIB_PRESETS = {
 
 
 def check_batch(arguments: Arguments) -> None:
-    """Raise ValueError when a batch is larger than what is learned from at a time."""
+    """Check that a minibatch has at most the actions between updates; else raise ValueError."""
     least = max(arguments.runners, 1) * arguments.worlds * arguments.rollout_decisions
     if arguments.batch_size > least:
         told = f"at most runners x worlds x rollout_decisions, {least}"

@@ -1,4 +1,4 @@
-"""This module sets RLlib up: the swarm as its environment, the network, the settings of PPO."""
+"""This module configures RLlib: the swarm as its environment, the network, the settings of PPO."""
 
 import dataclasses
 from typing import Any
@@ -17,28 +17,29 @@ try:
     from ray.rllib.core.rl_module.rl_module import RLModuleSpec
     from ray.rllib.env.multi_agent_env import MultiAgentEnv
 except ImportError as error:
-    message = f"train.rllib needs Ray's RLlib ({error}): pip install 'hav_env[ray]'"
+    message = f"train.rllib needs Ray's RLlib ({error}): run pip install -e '.[ray]' in the clone"
     raise ImportError(message) from None
 
 SHARED = "hav"  # the name of the one policy
 
 
 class HAVMultiAgentEnv(MultiAgentEnv):
-    """``hav_env.parallel_env`` as RLlib's new API stack wants it.
+    """``hav_env.parallel_env`` as an environment of RLlib's new API stack.
 
-    Ray has a wrapper too. This one scales the reward, which RLlib cannot, lets a curriculum change
-    it, keeps reports out of the samples, and never gives two worlds the same episodes.
+    Ray's own wrapper does not suffice. This class scales the reward, lets a curriculum change it,
+    keeps infos out of the samples, and never gives two worlds the same episodes.
     """
 
     def __init__(self, config: Any) -> None:
         """Build the environment.
 
         Args:
-            config: RLlib's. ``settings``: as of ``hav_env.parallel_env``; ``worlds``: how many each
-                process has; ``reward_scale``: by which rewards are multiplied.
+            config: RLlib's configuration. ``settings``: arguments of ``hav_env.parallel_env``;
+                ``worlds``: number of worlds in each process; ``reward_scale``: factor of rewards.
 
         Raises:
-            ValueError, TypeError: naming the argument, its value and what is allowed.
+            ValueError, TypeError: If an argument is invalid; the message names it, its value and
+                the rule.
         """
         super().__init__()
         self._swarm = parallel_env(**config["settings"])
@@ -54,8 +55,8 @@ class HAVMultiAgentEnv(MultiAgentEnv):
     ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         """Begin an episode.
 
-        The seeds that RLlib gives to the worlds of one process follow each other, and those of the
-        next process begin one later; so they are moved apart.
+        RLlib gives consecutive seeds to the worlds of one process. The seeds of the next process
+        begin one later, so this method adds an offset for each process.
         """
         seed = None if seed is None else seed + self._apart
         observations, _ = self._swarm.reset(seed, options)
@@ -78,9 +79,9 @@ class HAVMultiAgentEnv(MultiAgentEnv):
 
 
 class HAVModule(DefaultPPOTorchRLModule):
-    """RLlib's own network, which begins with actions near zero and a given deviation.
+    """RLlib's own network, initialized with actions near zero and a given standard deviation.
 
-    ``model_config`` is RLlib's as a dictionary, with ``deviation``.
+    ``model_config`` is the dictionary of RLlib's model configuration, with ``deviation``.
     """
 
     def setup(self) -> None:
@@ -93,7 +94,7 @@ class HAVModule(DefaultPPOTorchRLModule):
 
 
 def layers_of(*modules: torch.nn.Module) -> list[torch.nn.Linear]:
-    """Return the linear layers of modules that follow each other."""
+    """Return the linear layers of consecutive modules."""
     found = [part for module in modules for part in module.modules()]
     return [layer for layer in found if isinstance(layer, torch.nn.Linear)]
 
@@ -101,8 +102,8 @@ def layers_of(*modules: torch.nn.Module) -> list[torch.nn.Linear]:
 def mean_layers(module: Any) -> list[torch.nn.Linear]:
     """Return the layers of an RLlib PPO module from the observation to the means of both actions.
 
-    The last layer of RLlib's default also puts out the logarithms of the deviations, behind the
-    means; they are left out.
+    The last layer of RLlib's default also has outputs for the logarithms of the standard
+    deviations, behind the means. This function drops them.
     """
     *hidden, last = layers_of(module.encoder.actor_encoder, module.pi)
     means = torch.nn.Linear(last.in_features, 2)
@@ -111,7 +112,7 @@ def mean_layers(module: Any) -> list[torch.nn.Linear]:
 
 
 def configure(arguments: Arguments, settings: dict[str, Any], num_havs: int) -> PPOConfig:
-    """Return RLlib's configuration: PPO as Stable-Baselines3 understands it."""
+    """Return RLlib's configuration, with the same losses of PPO as Stable-Baselines3."""
     processes = max(arguments.runners, 1)
     network = DefaultModelConfig(
         fcnet_hiddens=list(arguments.layers),
@@ -139,7 +140,7 @@ def configure(arguments: Arguments, settings: dict[str, Any], num_havs: int) -> 
             train_batch_size_per_learner=processes * arguments.worlds * arguments.rollout_decisions,
             minibatch_size=arguments.batch_size,
             num_epochs=arguments.epochs,
-            # RLlib counts steps of worlds, in which every HAV decides
+            # RLlib counts steps of worlds; in each of them every HAV acts once
             lr=[[0, arguments.learning_rate], [arguments.decisions // num_havs, 0.0]],
             gamma=arguments.discount,
             lambda_=arguments.gae_lambda,
@@ -153,7 +154,7 @@ def configure(arguments: Arguments, settings: dict[str, Any], num_havs: int) -> 
         )
         .multi_agent(policies={SHARED}, policy_mapping_fn=_to_shared)
         .rl_module(rl_module_spec=RLModuleSpec(module_class=HAVModule, model_config=model))
-        # a training of another seed has other episodes, in all of its processes
+        # trainings with different seeds share no episodes, in any process
         .debugging(
             seed=TRAINING + arguments.seed * (processes + 1) * (arguments.worlds + 1),
             log_level="ERROR",

@@ -1,16 +1,17 @@
-"""This module trains on the task of ``train.ppo`` by Ray RLlib, one policy for all HAVs.
+"""This module trains one policy for all HAVs by Ray RLlib, on the task of ``train.ppo``.
 
     python -m train.rllib --preset pair --runners 2
     python -m train.rllib --preset pair --runners 64 --worlds 16 --address auto
-    python -m baselines evaluate runs/rllib-pair/best.policy --scenario paper-pair
+    hav-env evaluate runs/rllib-pair/best.policy --scenario paper-pair
 
-Ray starts on this machine unless ``--address`` names a cluster (``ray start --head`` begins one;
-its machines need the same version of the project and ``pip install 'hav_env[ray]'``). The reward
-is that of ``train.ppo``, and so is the network. Observations are not normalized: RLlib keeps
-statistics for each agent, not for a policy. On one machine, ``train.ppo`` is many times faster.
+Ray starts on this machine unless ``--address`` names a cluster. ``ray start --head`` starts a
+cluster; its machines need the same version of the project and ``pip install 'hav_env[ray]'``. The
+reward and the network are those of ``train.ppo``. The module does not normalize observations:
+RLlib keeps statistics for each agent, not for a policy. On one machine, ``train.ppo`` is many times
+faster.
 
-The folder of a run holds ``run.json`` (arguments, versions), ``curve.json`` (every evaluation),
-``best.policy`` (the best on the held-out episodes), ``last.policy``. It cannot be resumed.
+The folder of a run holds ``run.json`` (arguments, versions), ``curve.json`` (all evaluations),
+``best.policy`` (the best on the held-out episodes) and ``last.policy``. A run cannot be resumed.
 """
 
 import dataclasses
@@ -23,7 +24,6 @@ from typing import Any
 import numpy as np
 import torch
 
-from baselines.cli.options import take_option
 from baselines.cli.progress import new_bar
 from baselines.evaluation.ray_cluster import connect
 from baselines.policies.files import save_policy
@@ -33,21 +33,21 @@ from baselines.storage.locks import sole_user
 from hav_env.cli.options import parse_options, report_errors
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.models.text import visible
-from train.checks import OPTIONS, check_arguments, take_models
+from train.checks import OPTIONS, check_arguments, take_models, take_preset
 from train.curriculum import reward_at
 from train.export import network_of
 from train.rllib.arguments import RLLIB_PRESETS, Arguments, check_batch
 from train.rllib.setup import SHARED, configure, mean_layers
 from train.runs import begin_run, plain, versions
-from train.scores import evaluate, score
+from train.scores import evaluate, score, show_figures
 from train.training_task import settings_of
 
 
 class Run:
-    """One training, from its beginning to its end; Ray is connected all the while."""
+    """One training, from start to end, with a connection to Ray."""
 
     def __init__(self, arguments: Arguments) -> None:
-        """Set up the processes, their worlds and the learner; nothing is written."""
+        """Set up the processes, their worlds and the learner; write no file."""
         self.arguments = arguments
         settings = settings_of(arguments, threads=1)
         self.process = DecisionProcess(**settings)
@@ -56,7 +56,7 @@ class Run:
         self.decisions, self.seconds = 0, 0.0
 
     def learn(self) -> None:
-        """Learn until the end, and evaluate on the way."""
+        """Learn until the end, with evaluations in between."""
         arguments, begun, evaluated = self.arguments, time.monotonic(), 0
         bar = new_bar("decisions")
         with bar:
@@ -78,22 +78,22 @@ class Run:
                 self._evaluate()
 
     def policy(self) -> Network:
-        """Return what has been learned so far, as it would act: without noise."""
+        """Return the current policy, without noise."""
         return network_of(mean_layers(self.algorithm.get_module(SHARED)), self.process)
 
     def _weigh_harm(self, progress: float) -> None:
         reward = reward_at(self.arguments.curriculum, self.arguments.reward, progress)
 
         def set_reward(runner: Any) -> None:
-            if runner.env is not None:  # the learner's own drives nothing where there are others
+            if runner.env is not None:  # the local runner has no worlds if there are others
                 runner.env.unwrapped.call("set_reward", reward)
 
         self.algorithm.env_runner_group.foreach_env_runner(set_reward)
 
     def _evaluate(self) -> None:
-        """Score the policy on the held-out episodes, keep it, and keep it as the best if it is."""
+        """Score the policy on the held-out episodes; save it as last, and as best if it is."""
         policy, told = self.policy(), self.arguments
-        figures = evaluate(policy, told.scenario, told.evaluation_episodes, told.vehicle)
+        figures = evaluate(policy, told, told.evaluation_episodes)
         best = max((row["score"] for row in self.curve), default=-np.inf)
         row = {"decisions": self.decisions, "hours": self.seconds / 3_600, **figures}
         self.curve.append(row | {"score": score(figures)})
@@ -115,11 +115,9 @@ def read_arguments(words: list[str]) -> Arguments:
     """Return the arguments of a command line.
 
     Raises:
-        ValueError: when there is no such preset or option.
+        ValueError: If there is no such preset or option.
     """
-    preset, words = take_option(words, "--preset", "single")
-    if preset not in RLLIB_PRESETS:
-        raise ValueError(f"unknown preset {preset!r}; known: {', '.join(RLLIB_PRESETS)}")
+    preset, words = take_preset(words, RLLIB_PRESETS)
     usual = dataclasses.replace(
         RLLIB_PRESETS[preset], output=pathlib.Path("runs") / f"rllib-{preset}"
     )
@@ -137,16 +135,16 @@ def main(words: list[str] | None = None) -> int:
 
 
 def train(words: list[str]) -> None:
-    """Train as a command line says; print what came of it."""
+    """Train by a command line; print the final figures."""
     arguments = read_arguments(words)
     check_arguments(arguments)
     check_batch(arguments)
     with connect(arguments.address):
-        logging.getLogger("ray").setLevel(logging.ERROR)  # it warns of its own old ways
+        logging.getLogger("ray").setLevel(logging.ERROR)  # Ray warns of its own deprecations
         run = Run(arguments)
         with sole_user(arguments.output):
             begin_run(arguments.output, plain(arguments))
             run.learn()
         run.algorithm.stop()
-    print(", ".join(f"{name} {value:.4g}" for name, value in run.curve[-1].items()))
+    print(show_figures(run.curve[-1]))
     print(f"policy: {visible(str(arguments.output / 'best.policy'))}")

@@ -12,14 +12,15 @@ from baselines.cli.progress import new_bar
 from baselines.storage.atomic_files import write_text
 from hav_env.evaluation.figures import goal_hits
 from train.curriculum import reward_at
+from train.sb3.warm_start import let_policy_learn
 from train.scores import evaluate, score
 
 
 class TrainingCallback(BaseCallback):
-    """The callback of one sitting."""
+    """The callback of one call of ``learn``: a run that resumes has several."""
 
     def __init__(self, run: Any) -> None:
-        """Take a ``train.ppo.Run``, wherever it has got to."""
+        """Prepare the callback of a ``train.ppo.Run``, new or resumed."""
         super().__init__()
         self.run = run
         self.begun, self.spent = time.monotonic(), run.seconds
@@ -35,7 +36,7 @@ class TrainingCallback(BaseCallback):
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Take the bar away."""
+        """Remove the bar."""
         self.bar.stop()
 
     def _on_step(self) -> bool:
@@ -44,13 +45,14 @@ class TrainingCallback(BaseCallback):
         return True
 
     def _on_rollout_start(self) -> None:
-        """Log, evaluate, write the checkpoint: after an update, before the next rollout."""
+        """Log, evaluate and write the checkpoint, after an update and before the next rollout."""
         run, done = self.run, self.num_timesteps
         if done == self.first:
             run.restore_random_numbers()
         arguments = run.arguments
         progress = done / arguments.decisions
         run.process.set_reward(reward_at(arguments.curriculum, arguments.reward, progress))
+        let_policy_learn(run.learner.policy, done >= arguments.value_decisions)
         with torch.no_grad():
             run.learner.policy.log_std.clamp_(min=float(np.log(arguments.least_deviation)))
         run.seconds = self.spent + time.monotonic() - self.begun
@@ -72,11 +74,11 @@ class TrainingCallback(BaseCallback):
         self.run.seconds = self.spent + time.monotonic() - self.begun
         self._log()
         self._evaluate()
-        self.logger.dump(self.num_timesteps)  # after the last rollout nobody else does
+        self.logger.dump(self.num_timesteps)  # SB3 does not flush the logger after the last rollout
         self.run.write_checkpoint()
 
     def _log(self) -> None:
-        """Record the means of what episodes came to: every term of the reward, every event."""
+        """Log the means over episodes of all reward terms and all events."""
         ended, self.ended = self.ended, []
         for name in ended[0] if ended else ():
             if isinstance(ended[0][name], float) and name not in ("seed", "episode_number"):
@@ -84,11 +86,10 @@ class TrainingCallback(BaseCallback):
         self.logger.record("episodes/count", len(ended))
 
     def _evaluate(self) -> None:
-        """Score the policy on the held-out episodes, keep it, and keep it as the best if it is."""
+        """Score the policy on the held-out episodes; save it as last, and as best if it is."""
         run = self.run
         arguments = run.arguments
-        episodes, vehicle = arguments.evaluation_episodes, arguments.vehicle
-        found = evaluate(run.policy(), arguments.scenario, episodes, vehicle)
+        found = evaluate(run.policy(), arguments, arguments.evaluation_episodes)
         for name, value in found.items():
             self.logger.record(f"held_out/{name.replace(' / ', '_per_').replace(' ', '_')}", value)
         best = max((row["score"] for row in run.curve), default=-np.inf)

@@ -1,7 +1,7 @@
-"""This module writes and reads checkpoints of PPO: everything that changes while it learns.
+"""This module writes and reads checkpoints of PPO: everything that changes during learning.
 
-A run that resumes from one goes on bit for bit. The file holds tensors, numbers and text, and
-nothing that runs: ``train.sb3.tensor_files`` reads it.
+A resumed run continues bit for bit. The file holds tensors, numbers and text, and no code:
+``train.sb3.tensor_files`` reads it.
 """
 
 import functools
@@ -24,14 +24,14 @@ _TWISTER = 624  # words of the state of NumPy's Mersenne Twister
 def write_checkpoint(
     path: pathlib.Path, learner: PPO, env: VecNormalize, curve: list[dict], seconds: float
 ) -> None:
-    """Write down learner, normalizer, worlds and random numbers; there is never half a file.
+    """Write learner, normalizer, worlds and random numbers to a file, whole or not at all.
 
     Args:
-        path: of the file.
-        learner: between two iterations.
-        env: of the learner.
-        curve: the evaluations so far, as JSON knows them.
-        seconds: of learning so far.
+        path: Path of the file.
+        learner: The learner, between two iterations.
+        env: The environment of the learner.
+        curve: The evaluations so far, as values for JSON.
+        seconds: Time of learning so far [s].
     """
     _, words, place, has_gauss, gauss = np.random.get_state()  # noqa: NPY002 (SB3 shuffles with it)
     worlds: Any = env.unwrapped
@@ -53,7 +53,9 @@ def write_checkpoint(
         "numbers": {
             "decisions": int(learner.num_timesteps),
             "updates": int(learner._n_updates),
-            "place": int(place),  # in the words of the twister, then what it has drawn in advance
+            "place": int(
+                place
+            ),  # in the words of the twister, then the number it has drawn in advance
             "has_gauss": int(has_gauss),
             "gauss": float(gauss),
         },
@@ -67,19 +69,19 @@ def write_checkpoint(
 def read_checkpoint(
     path: pathlib.Path, learner: PPO, env: VecNormalize
 ) -> tuple[list[dict], float, Callable[[], None]]:
-    """Go back to where a checkpoint was written.
+    """Restore the state of a checkpoint.
 
     Args:
-        path: of the file.
-        learner: made from the arguments of the run; it is written to.
-        env: of the learner; it is written to.
+        path: Path of the file.
+        learner: A learner from the arguments of the run; the function overwrites its state.
+        env: The environment of the learner; the function overwrites its state.
 
     Returns:
-        The curve; the seconds; what restores the random numbers, to be called when the next
-        rollout begins, for Stable-Baselines3 has drawn the noise that it holds by then.
+        The curve; the seconds; a function that restores the random numbers. The caller calls it at
+        the start of the next rollout, after Stable-Baselines3 has drawn the noise that it holds.
 
     Raises:
-        ValueError: when it is broken, or was written by another version.
+        ValueError: If the file is broken, or from another version.
     """
     try:
         state = read_plain(path)
@@ -91,7 +93,7 @@ def read_checkpoint(
         restore = functools.partial(_restore_random_numbers, state, learner)
         restore()
         return _read_curve(state["curve"]), float(state["seconds"]), restore
-    except Exception as error:  # what is broken may break the reading anywhere
+    except Exception as error:  # a broken file may raise any error
         told = error if isinstance(error, ValueError) else repr(error)
         raise ValueError(f"cannot go on from {path}: {told}") from None
 
@@ -104,7 +106,7 @@ def _read_curve(text: str) -> list[dict]:
 
 
 def _owners(learner: PPO, env: VecNormalize) -> dict[str, tuple[Any, tuple[str, ...]]]:
-    """Return who holds the arrays of learner and normalizer, and as which attributes."""
+    """Return the objects that hold the arrays of learner and normalizer, and their attributes."""
     moments = ("mean", "var", "count")
     begun = learner._last_obs is not None
     return {
@@ -116,7 +118,7 @@ def _owners(learner: PPO, env: VecNormalize) -> dict[str, tuple[Any, tuple[str, 
 
 
 def _restore_learner(state: dict[str, Any], learner: PPO) -> None:
-    """Take over weights and moments, whose shapes are those of the learner."""
+    """Copy weights and moments into the learner; their shapes must match."""
     policy, numbers = learner.policy, state["numbers"]
     policy.load_state_dict(state["policy"])
     parameters = list(policy.parameters())
@@ -141,7 +143,7 @@ def _restore_arrays(arrays: dict[str, Any], learner: PPO, env: VecNormalize) -> 
 
 
 def _noise_of(learner: PPO) -> dict[str, torch.Tensor]:
-    """Return the noise that is held from action to action; nothing if it is drawn for each."""
+    """Return the noise that is held over actions; empty if each action draws its own."""
     held, names = learner.policy.action_dist, ("exploration_mat", "exploration_matrices")
     return {name: getattr(held, name).detach() for name in names} if learner.use_sde else {}
 
@@ -156,7 +158,7 @@ def _restore_random_numbers(state: dict[str, Any], learner: PPO) -> None:
     np.random.set_state(told)  # noqa: NPY002
     for name, held in _noise_of(learner).items():
         like = held.numpy()
-        # at the beginning it is held for one row alone
+        # a new learner holds the noise of a single row
         shape = (learner.n_envs, *like.shape[1:]) if like.ndim == 3 else like.shape
         value = array_like(np.zeros(shape, like.dtype), state["noise"], name)
         setattr(learner.policy.action_dist, name, torch.from_numpy(value))

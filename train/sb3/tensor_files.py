@@ -10,16 +10,16 @@ import torch
 
 from hav_env.world.arrays import PHASE, World
 
-_SAFE = 2, 6  # of PyTorch: the first that runs no code in crafted files
+_SAFE = 2, 6  # the first release of PyTorch that runs no code of crafted files
 
 
 def read_plain(path: pathlib.Path) -> dict[str, Any]:
-    """Return what ``torch.save`` wrote, if it is nothing but tensors, numbers and text.
+    """Return the content of a file by ``torch.save``: only tensors, numbers and text.
 
     Raises:
-        ValueError: when the file is broken, cut short, larger unpacked than it is, or holds more;
-            under a PyTorch that may run code in it all the same.
-        OSError: when it cannot be read.
+        ValueError: If the file is broken, truncated, compressed, or holds other objects; or if this
+            release of PyTorch may run code in it.
+        OSError: If the file cannot be read.
     """
     version = tuple(int(part) for part in torch.__version__.split(".")[:2])
     if version < _SAFE:
@@ -29,7 +29,7 @@ def read_plain(path: pathlib.Path) -> dict[str, Any]:
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
-            # PyTorch packs nothing, and does not compare the checksums when it reads
+            # PyTorch compresses nothing, and does not compare checksums when it reads
             if sum(member.file_size for member in members) > path.stat().st_size:
                 raise ValueError("it says that it is larger than it is")
             if any(member.compress_type != zipfile.ZIP_STORED for member in members):
@@ -52,7 +52,7 @@ def array_like(like: Any, arrays: dict[str, Any], name: str) -> np.ndarray:
     """Return an array by its name.
 
     Raises:
-        ValueError: when there is none, or it has not the shape and type of ``like``.
+        ValueError: If there is none, or its shape or type differs from ``like``.
     """
     like, found = np.asarray(like), arrays.get(name)
     if not isinstance(found, torch.Tensor):
@@ -65,10 +65,10 @@ def array_like(like: Any, arrays: dict[str, Any], name: str) -> np.ndarray:
 
 
 def check_worlds(worlds: World) -> None:
-    """Check the places that compiled code looks up without asking whether they exist.
+    """Check the indices that compiled code uses without a bounds check.
 
     Raises:
-        ValueError: naming the array.
+        ValueError: If an index is out of bounds; the message names the array.
     """
     num_havs, units, _ = worlds.fleet.length.shape
     laws = {

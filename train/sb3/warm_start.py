@@ -1,6 +1,6 @@
-"""This module begins a training with an earlier one's policy (a warm start).
+"""This module initializes a learner with a trained policy (a warm start).
 
-A policy can thus learn to drive alone first, then in company.
+A policy can thus learn to drive alone first, and then among other HAVs.
 """
 
 from typing import Any
@@ -8,27 +8,34 @@ from typing import Any
 import numpy as np
 import torch
 from stable_baselines3 import PPO
+from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
 from baselines.policies.network import Network, input_names, unpack_layers
+from baselines.policies.pooling import Encoder
 from hav_env.mdp.decision_process import DecisionProcess
+from train.loops.starts import (
+    ALONG_ROUTE,
+    LEAST_AT_START,
+    TRUSTED,
+    begin_anew_with_speed,
+    copy_layers,
+    quieten_steering,
+    steer_along_route,
+)
 
-_SPEED_OUTPUT, _STEERING_OUTPUT = range(2)
-_QUIETER = 0.5  # times which steering is explored
-_LEAST_VARIANCE = 1e-2  # of a column that is the same in all episodes at first
-_TRUSTED = 1e6  # observations that the normalizer is taken to have seen, so that it changes slowly
+__all__ = ["ALONG_ROUTE", "start_from", "start_on_route"]
 
 
 def start_from(policy: Any, learner: PPO, env: VecNormalize, process: DecisionProcess) -> None:
-    """Give a learner the layers and the normalizer of a policy; the value is learned anew.
+    """Copy the layers and the normalizer of a policy into a learner, but not the value network.
 
-    Columns that the policy does not observe begin with weights of zero, so that the learner acts
-    as the policy does until it learns better, but for its speed, which is full. They are normalized
-    by what is seen at the beginning of episodes.
+    Columns that the policy does not observe start with weights of zero. So the learner first acts
+    like the policy, but at full speed. The starts of episodes normalize these columns.
 
     Raises:
-        ValueError: when it was not trained, its layers differ, or it observes what the learner
-            does not.
+        ValueError: If the policy was not trained, its layers differ, or it observes columns that
+            the learner does not.
     """
     if not isinstance(policy, Network):
         raise ValueError(f"the policy to begin with is {policy!r}, but must be a trained one")
@@ -37,30 +44,60 @@ def start_from(policy: Any, learner: PPO, env: VecNormalize, process: DecisionPr
     if missing:
         raise ValueError(f"the policy to begin with observes {missing[0]}, which is not observed")
     places = [ours.index(name) for name in theirs]
+    if isinstance(policy.pooling, Encoder):
+        raise ValueError("the policy to begin with pools neighbours: use train.ippo or train.mappo")
+    layers = _layers_of(learner)
+    copy_layers(layers, unpack_layers(policy), places)
+    # the policy can steer already
+    begin_anew_with_speed(layers[-1])
+    quieten_steering(learner.policy.log_std)
+    seen = _see_beginnings(env)
+    seen.mean[places] = policy.mean
+    seen.var[places] = 1.0 / policy.scale**2 - env.epsilon
+
+
+def start_on_route(learner: PPO, env: VecNormalize, process: DecisionProcess, speed: float) -> None:
+    """Initialize a learner with weights that drive at one speed and steer along the route.
+
+    One unit of each hidden layer passes on the column ``goal_path_steering``. The other units and
+    the value network keep their random weights.
+
+    Args:
+        learner: Learner whose policy network changes.
+        env: Worlds of the learner; their normalizer changes.
+        process: Decision process of the worlds.
+        speed: Share of the full speed, from 0 to 1.
+    """
+    place = process.columns.index("goal_path_steering")
+    steer_along_route(_layers_of(learner), place, speed)
+    quieten_steering(learner.policy.log_std)
+    seen = _see_beginnings(env)
+    seen.mean[place], seen.var[place] = 0.0, 1.0
+
+
+def _layers_of(learner: PPO) -> list[torch.nn.Linear]:
+    """Return the layers from the observation to the means of both actions."""
     modules = [*learner.policy.mlp_extractor.policy_net, learner.policy.action_net]
-    linear = [module for module in modules if isinstance(module, torch.nn.Linear)]
-    layers = unpack_layers(policy)
-    wanted, found = [m.out_features for m in linear], [len(bias) for _, bias in layers]
-    if wanted != found:
-        raise ValueError(f"the policy to begin with has layers {found}, but must have {wanted}")
-    widened = np.zeros((wanted[0], len(ours)))
-    widened[:, places] = layers[0][0]
-    layers[0] = widened, layers[0][1]
-    with torch.no_grad():
-        for module, (weights, biases) in zip(linear, layers, strict=True):
-            module.weight.copy_(torch.from_numpy(weights))
-            module.bias.copy_(torch.from_numpy(biases))
-    # Alone, full speed is always right, and what puts it out is far above 1, where it is cut: no
-    # noise would bring it down to where it has an effect. So speed is learned anew; steering, which
-    # can be done already, is explored less.
-    with torch.no_grad():
-        linear[-1].weight[_SPEED_OUTPUT] = 0.0
-        linear[-1].bias[_SPEED_OUTPUT] = 1.0
-        learner.policy.log_std[..., _STEERING_OUTPUT] += np.log(_QUIETER)
+    return [module for module in modules if isinstance(module, torch.nn.Linear)]
+
+
+def let_policy_learn(policy: ActorCriticPolicy, learns: bool) -> None:
+    """Let the layers and the noise of a policy learn, or only its value network.
+
+    Args:
+        policy: Policy of the learner.
+        learns: Whether the policy learns.
+    """
+    policy.mlp_extractor.policy_net.requires_grad_(learns)
+    policy.action_net.requires_grad_(learns)
+    policy.log_std.requires_grad_(learns)
+
+
+def _see_beginnings(env: VecNormalize) -> Any:
+    """Normalize columns by the observations at the starts of episodes; return the statistics."""
     seen: Any = env.obs_rms
     first: Any = env.venv.reset()
     seen.mean[:] = first.mean(axis=0)
-    seen.var[:] = np.maximum(first.var(axis=0), _LEAST_VARIANCE)
-    seen.mean[places] = policy.mean
-    seen.var[places] = 1.0 / policy.scale**2 - env.epsilon
-    seen.count = _TRUSTED
+    seen.var[:] = np.maximum(first.var(axis=0), LEAST_AT_START)
+    seen.count = TRUSTED
+    return seen

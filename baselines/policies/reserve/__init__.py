@@ -1,4 +1,4 @@
-"""This package holds Reserve, a policy that moves only within what it has reserved."""
+"""This package holds Reserve, a policy that moves only within its reserved space."""
 
 from baselines.policies.reserve.policy import Reserve
 

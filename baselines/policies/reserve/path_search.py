@@ -32,9 +32,11 @@ from baselines.policies.reserve.prediction.chain import (
     pull_axles,
 )
 from baselines.policies.reserve.prediction.holding_circle import SHIFTS, find_circle
+from baselines.policies.reserve.prediction.joints import keeps_joints_when_wide, path_keeps_joints
 from baselines.policies.reserve.prediction.motion import sense_chain
 from baselines.policies.reserve.prediction.paths import total_length
 from baselines.policies.reserve.reservation import reserve_circle, reserve_rest
+from baselines.policies.reserve.tight_paths import AIMS, PER_AIM, list_tight, write_tight_path
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.dubins import INFEASIBLE
 from hav_env.maths.elementary import sincos
@@ -48,12 +50,13 @@ _PATIENCE_GROWTH = 0.2  # of the patience, with each failed plan
 _LENGTH_FACTOR = 1.2  # times the shortest candidate: a path of that length is never too long
 _PART_MARGIN_SHARE = 0.5  # of the plan's margin: kept by the first part, which is predicted exactly
 _PATH_COARSE_STEP = 2.0  # [m] of a coarse step along a path, at most
+_WIDE = AIMS * PER_AIM  # number of the first wide candidate: tight ones come before
 _FAR = _PATH_COARSE_STEP  # [m] beyond the margin, from where a coarse step cannot come too near
 
 
 @rare_kernel
-def search(policy, rows, x, y, heading, purpose, margin):
-    """Look for a path to a pose and reserve its first part. The path is left in ``TRIAL_PATH``.
+def search(policy, rows, x, y, heading, purpose, margin, most):
+    """Look for a path to a pose and reserve its first part. It writes the path to ``TRIAL_PATH``.
 
     Args:
         policy: The Reserve.
@@ -63,16 +66,19 @@ def search(policy, rows, x, y, heading, purpose, margin):
         heading: Heading of the pose [rad].
         purpose: ``GOAL_PATH`` if the pose is at the goal, otherwise ``PLACE_PATH``.
         margin: Margin of the path to all others [m].
+        most: Maximum length of the path [m].
 
     Returns:
         Whether a path was found and its first part reserved.
     """
-    count = 0
+    count, small = 0, keeps_joints_when_wide(rows)
+    if purpose == states.GOAL_PATH and rows[m.OWN_TIGHT] > 0.0:
+        count = list_tight(policy, rows, most)
     for number in range(DIRECT + (sizes.WAYPOINTS if purpose == states.GOAL_PATH else 0)):
         write_candidate(rows, number, x, y, heading)
         total = total_length(rows, m.TRIAL_PATH)
-        if rows[m.TRIAL_PATH + m.NUM_SEGMENTS] > 0.0 and total < INFEASIBLE:
-            count = insert(rows, count, total, number)
+        if rows[m.TRIAL_PATH + m.NUM_SEGMENTS] > 0.0 and total < min(INFEASIBLE, most):
+            count = insert(rows, count, total, _WIDE + number, sizes.LONGLIST_SIZE)
     if count == 0:
         return False
     patience = policy.patience * (1.0 + _PATIENCE_GROWTH * rows[m.FAILED])
@@ -82,9 +88,16 @@ def search(policy, rows, x, y, heading, purpose, margin):
         if rows[m.LISTED_LENGTHS + k] > longest:
             break
         number = int(rows[m.LISTED_NUMBERS + k])
-        write_candidate(rows, number, x, y, heading)
+        if number < _WIDE:
+            write_tight_path(policy, rows, number, m.TRIAL_PATH)
+        else:
+            write_candidate(rows, number - _WIDE, x, y, heading)
         horizon = policy.horizon * front
         if not is_drivable(policy, rows, m.TRIAL_PATH, 0.0, purpose, horizon, margin):
+            continue
+        if (number < _WIDE or not small) and not path_keeps_joints(
+            policy, rows, m.TRIAL_PATH, purpose == states.GOAL_PATH
+        ):
             continue
         part_margin = _PART_MARGIN_SHARE * margin
         if reserve_next(policy, rows, m.TRIAL_PATH, 0.0, 0.0, purpose, part_margin):
@@ -110,11 +123,13 @@ def search_in_order(policy, rows, x, y, heading, margin):
         Whether a path was found and its first part reserved.
     """
     horizon = policy.horizon * rows[m.OWN_FRONT_RADIUS]
-    part_margin = _PART_MARGIN_SHARE * margin
+    part_margin, small = _PART_MARGIN_SHARE * margin, keeps_joints_when_wide(rows)
     for _ in range(_SEQUENCES_AT_ONCE):
         number = int(rows[m.EXPLORED])
         rows[m.EXPLORED] = (number + 1) % SEQUENCES
         write_sequence(rows, number, x, y, heading)
+        if not small and not path_keeps_joints(policy, rows, m.TRIAL_PATH, True):
+            continue
         if is_drivable(
             policy, rows, m.TRIAL_PATH, 0.0, states.GOAL_PATH, horizon, margin
         ) and reserve_next(policy, rows, m.TRIAL_PATH, 0.0, 0.0, states.GOAL_PATH, part_margin):
@@ -124,7 +139,7 @@ def search_in_order(policy, rows, x, y, heading, margin):
 
 @kernel
 def rest_is_near(rows, rest):
-    """Tell whether a rest [m] of a path to the goal is short enough to be reserved at once.
+    """Return whether a rest [m] of a path to the goal is short enough to be reserved at once.
 
     After many paths or failures any length is, if all others in slots have arrived.
     """
@@ -135,7 +150,7 @@ def rest_is_near(rows, rest):
 
 @rare_kernel
 def is_drivable(policy, rows, path, done, purpose, horizon, margin):
-    """Tell whether the HAV can drive along a path, in coarse steps, past all others.
+    """Return whether the HAV can drive along a path, in coarse steps, past all others.
 
     Args:
         policy: The Reserve.
@@ -190,9 +205,9 @@ def is_drivable(policy, rows, path, done, purpose, horizon, margin):
 
 @rare_kernel
 def _passes_standing(rows, nose_x, nose_y, margin):
-    """Tell whether the axles keep clear of all that stand.
+    """Return whether the axles keep clear of all standing HAVs.
 
-    Their outline is left in ``BODY_OUTLINE``.
+    Their outline is written to ``BODY_OUTLINE``.
     """
     clear_outline(rows, m.BODY_OUTLINE)
     include_axles(rows, m.BODY_OUTLINE)
@@ -238,6 +253,6 @@ def reserve_next(policy, rows, path, driven, heading, purpose, margin):
 
 @rare_kernel
 def reserve_circle_here(policy, rows, shifts, margin):
-    """Reserve a circle that begins here, and tell whether that is possible."""
+    """Reserve a circle that begins here, and return whether that is possible."""
     rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
     return reserve_circle(policy, rows, m.TRIAL_PATH, 0.0, 0.0, 0.0, shifts, margin)

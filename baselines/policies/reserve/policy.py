@@ -12,9 +12,12 @@ from baselines.policies.reserve.preconditions import (
     check_range,
     check_step,
 )
+from baselines.policies.reserve.proposals import take_or_drive
 from baselines.policies.reserve.single_agent import act_alone
 from hav_env.compiled import contiguous
 from hav_env.models.quantities import Angle, Distance, Duration, Factor, Steps
+from hav_env.policies.backup import back_up, backup_rows, check_backup
+from hav_env.policies.demands import wants_adjacent_memory
 from hav_env.policies.interface import (
     act,
     broadcast_size,
@@ -22,13 +25,14 @@ from hav_env.policies.interface import (
     check_rules,
     memory_size,
 )
+from hav_env.scenarios import segments_of
 from hav_env.world.task import check_at_once
 
 
 class Reserve(NamedTuple):
-    """A HAV moves only within what it has reserved.
+    """A HAV moves only within its reserved space.
 
-    By construction nobody jackknifes and nobody collides. docs/safety.md has the proof.
+    By construction, no HAV jackknifes or collides. docs/safety.md has the proof.
     """
 
     dt: Duration = 0.2
@@ -49,21 +53,31 @@ class Reserve(NamedTuple):
     """Distance up to which a plan avoids the outlines of others [radii of the nose's circle]."""
     patience: Distance = 60.0
     """Maximum detour over the shortest candidate [m]. It grows by 20 % with each failed plan."""
+    shortcut: Distance = 10.0
+    """Length [m] that another path must save for a HAV to leave its path."""
     wait: Steps = 25
     """Time that a HAV stands blocked before it drives round its circle [steps]."""
     refresh: Distance = 15.0
-    """Distance after which a HAV on the rest to its goal reserves that anew [m]."""
+    """Distance after which a HAV on the rest to its goal reserves that rest anew [m]."""
     turns: Steps = 1
     """Round-robin period in which HAVs reserve [steps].
 
     With a period of at least the number of HAVs, all may decide at the same time.
     """
     broadcast: bool = True
-    """Whether HAVs hear the outlines of others. Without them a HAV moves where nobody is near."""
+    """Whether HAVs receive the outlines of others. Without them, a HAV moves only where no other
+    HAV is near.
+    """
     position_noise: Distance = 0.0
     """Largest error of the sensed positions of others [m]. Margins grow by it."""
     heading_noise: Angle = 0.0
     """Largest error of their sensed headings [rad]. Margins grow by the displacement it causes."""
+    retry: Steps = 25
+    """As a backup: time for which it drives after its first refusal on the way to a goal [steps].
+    Each further one doubles it."""
+    leeway: Factor = 1.5
+    """As a backup: time for proposals on the way to a goal [shortest time of the endless circle's
+    radius]."""
 
 
 @memory_size.register
@@ -74,6 +88,11 @@ def _(policy: Reserve) -> int:
 @broadcast_size.register
 def _(policy: Reserve) -> int:
     return m.BROADCAST
+
+
+@wants_adjacent_memory.register
+def _(policy: Reserve) -> bool:
+    return True
 
 
 @check_parameters.register
@@ -109,6 +128,17 @@ def _(policy: Reserve, scenario, task, vehicle) -> None:
     check_range(scenario, policy.dt, task.sensing_range)
 
 
+@check_backup.register
+def _(backup: Reserve, scenario) -> None:
+    if segments_of(scenario) > 0:
+        raise ValueError("backup Reserve does not sense obstacles, but the scenario has some")
+    if not backup.broadcast or backup.turns != 1:
+        raise ValueError(
+            f"backup broadcast is {backup.broadcast} and turns is {backup.turns}, but must be True"
+            " and 1: proposals are reserved in every step"
+        )
+
+
 @act.register(Reserve)
 def reserve(policy, memory, world, agent, lane):
     """Return speed [m/s] and steering [rad] of a HAV, among others or alone in its world."""
@@ -116,3 +146,14 @@ def reserve(policy, memory, world, agent, lane):
     if memory.shape[0] > 1:
         return act_among_others(policy, rows, memory, world, agent, lane)
     return act_alone(policy, rows, world, agent, lane)
+
+
+@backup_rows.register(Reserve)
+def _rows_of_reserve(policy):
+    return m.ROWS
+
+
+@back_up.register(Reserve)
+def _take_or_drive(policy, memory, world, agent, lane, speed, steering):
+    rows = contiguous(memory[agent, :, lane])
+    return take_or_drive(policy, rows, memory, world, agent, lane, speed, steering)

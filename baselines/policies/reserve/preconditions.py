@@ -1,4 +1,4 @@
-"""This module checks what the theorems on Reserve assume.
+"""This module checks the assumptions of the theorems on Reserve.
 
 The checks concern the vehicle, and the lengths, the speeds and the sensing of a scenario. They run
 before a HAV drives.
@@ -12,36 +12,36 @@ from hav_env.models.protocols import Scenario, Vehicle
 
 LEAST_MARGIN = 0.01  # [m] the smallest share of it that a HAV keeps is far above rounding
 MAX_CIRCLE_STEPS = 100_000  # of two turns of the widest circle; with more a decision takes seconds
-CIRCLE_FACTOR = 1.02  # radius of the endless circle over the least one: room for discrete steps
+CIRCLE_FACTOR = 1.02  # radius of the endless circle over the least one: space for discrete steps
 
 
 def check_predicted(vehicle: Vehicle) -> None:
-    """Check that a vehicle is the one whose every step Reserve predicts.
+    """Check that the vehicle is the one whose steps Reserve predicts.
 
     Args:
         vehicle: The vehicle, whose joints are on the axles, whose bodies are lines and whose
             actuators are instant.
 
     Raises:
-        ValueError: It is another one, or has other parts. The message names both.
+        ValueError: It is another vehicle, or has other parts. The message names both.
     """
     if not _same(vehicle, OnAxle()):
         raise ValueError(f"vehicle is {vehicle}, but Reserve has its proof for {OnAxle()} alone")
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Tell whether two models are the same; as tuples, those of two empty classes are equal."""
+    """Return whether two models are equal; tuples of two empty classes would compare equal."""
     if type(one) is not type(other):
         return False
     return all(map(_same, one, other)) if isinstance(one, tuple) else one == other
 
 
 def check_step(scenario: Scenario, policy: Any) -> None:
-    """Check that a step is neither too long for the simulator nor too short to be predicted.
+    """Check that a step is neither too long for the simulator nor too short to predict.
 
     Args:
-        scenario: The scenario, which has the lengths, limits and number of trailers.
-        policy: The Reserve that is to drive in it.
+        scenario: Scenario, which has the lengths, limits and number of trailers.
+        policy: Reserve policy for the scenario.
 
     Raises:
         ValueError: A step is too long or too short. The message names the bound.
@@ -74,8 +74,8 @@ def check_step(scenario: Scenario, policy: Any) -> None:
 def check_range(scenario: Scenario, dt: float, sensing_range: float) -> None:
     """Check that HAVs sense each other before they can touch.
 
-    The circle that circumscribes a HAV moves with its truck's rear axle. So two HAVs come nearer to
-    each other by no more than both drive.
+    The circle that circumscribes a HAV moves with its truck's rear axle. Two HAVs therefore
+    approach each other by no more than both drive.
 
     Args:
         scenario: The scenario, which has the maximum speed.
@@ -88,6 +88,6 @@ def check_range(scenario: Scenario, dt: float, sensing_range: float) -> None:
     least = 2.0 * scenario.fleet.speed_max * dt
     if scenario.num_havs > 1 and not sensing_range >= least:
         raise ValueError(
-            f"task sensing_range is {sensing_range:g} m, but must be at least {least:g} m, what two"
-            " HAVs drive in one step, for Reserve to notice others in time"
+            f"task sensing_range is {sensing_range:g} m, but must be at least {least:g} m:"
+            " two HAVs drive that in one step, and Reserve must notice others in time"
         )

@@ -16,25 +16,28 @@ from baselines.policies.reserve.path_search import (
 )
 from baselines.policies.reserve.perception.own_state import is_due, sensed_goal
 from baselines.policies.reserve.prediction.holding_circle import SHIFTS, enter_circle
-from baselines.policies.reserve.prediction.paths import copy_path
+from baselines.policies.reserve.prediction.paths import copy_path, total_length
 from hav_env.compiled import kernel, rare_kernel
+from hav_env.maths.dubins import shortest_path
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI
 from hav_env.maths.random_numbers import normal, uniform
 
-CONTINUE_MARGIN = 0.02  # [m] margin that is enough to go on with what is reserved
+CONTINUE_MARGIN = 0.02  # [m] margin that suffices to continue with the present reservation
 TRY_PERIOD = 5  # steps from one attempt to begin, or to find a way out, to the next
 PLAN_PERIOD = 15  # steps from one plan of a moving HAV to the next: a plan costs the most time
+_LEAD = 1.0  # [m] before the end of the reserved part, from where the HAV reserves the next one
 _WAITS_BEFORE_GIVING_UP = 10  # times ``policy.wait``, blocked, if the circle cannot be entered
 
 # A plan.
 _DRAWS_PER_PLAN = 11  # the largest number of a draw below, plus one
-_PATHS_BEFORE_ROOM = 15  # to a goal, after which a HAV makes room for others now and then
+_PATHS_BEFORE_ROOM = 15  # to a goal, after which a HAV gives space to others now and then
 _FAILURES_BEFORE_ROOM = 10  # plans that fail, with the same effect
-_ROOM_CHANCE = 0.4  # that a HAV after many paths considers to make room
-_PLACE_CHANCE = 0.5  # that a HAV that considers it does so: others in the way may do so as well
+_ROOM_CHANCE = 0.4  # chance that a HAV after many paths considers giving space
+# chance that a HAV that considers it does so: others in the way may do so as well
+_PLACE_CHANCE = 0.5
 _LEAST_SPREAD = 0.5  # of random places round the HAV [radii of the nose's circle]
-_SPREAD_AFTER_FAILURES = 3.0  # the same, in addition at most: near by there may be room
+_SPREAD_AFTER_FAILURES = 3.0  # the same, at most in addition: there may be space nearby
 _SPREAD_AFTER_PATHS = 8.0  # the same: far away from a place where HAVs block each other
 _EXACT_EVERY = 4  # failures: one of these plans leads to the goal's own pose
 _AIM_DISTANCE = 0.9  # of the distance tolerance: random aims round the goal, below 1 for rounding
@@ -52,7 +55,7 @@ _BEGIN_NARROW_SHARE, _BEGIN_NARROWER_SHARE = 0.3, 0.2  # of ``policy.margin``: a
 
 
 @kernel
-def _adopt(rows, purpose, margin):
+def adopt_path(rows, purpose, margin):
     """Make the trial path the current one."""
     copy_path(rows, m.CURRENT_PATH, m.TRIAL_PATH)
     _, _, rows[m.PLANNED_GOAL_HEADING] = sensed_goal(rows)
@@ -67,7 +70,7 @@ def plan_path(policy, rows, margin):
 
     After a failure the path leads to a random pose within the goal's tolerances, with another
     margin. After many failures, or many paths to one goal, it leads to a random place now and then.
-    So HAVs that block each other make room.
+    HAVs that block each other therefore give space to each other.
     """
     if (rows[m.GATHERED] == 0.0) | (not is_due(rows, policy.turns)):
         return False
@@ -100,13 +103,50 @@ def plan_path(policy, rows, margin):
     if (purpose == states.GOAL_PATH) & (failed > MANY_FAILURES) & (failed % 2 == 0):
         found = search_in_order(policy, rows, x, y, heading, margin)
     else:
-        found = search(policy, rows, x, y, heading, purpose, margin)
+        found = search(policy, rows, x, y, heading, purpose, margin, math.inf)
     if found:
-        _adopt(rows, purpose, margin)
+        adopt_path(rows, purpose, margin)
         if purpose == states.GOAL_PATH:
             rows[m.FAILED] = 0.0
         return True
     rows[m.FAILED] += 1.0
+    return False
+
+
+@kernel
+def lead_distance(policy, rows):
+    """Return the distance [m] before the end of the reserved part to reserve the next one from."""
+    return _LEAD + (policy.turns - 1) * rows[m.OWN_STEP]
+
+
+@kernel
+def may_find_shortcut(policy, rows):
+    """Return whether the HAV may reserve the next part of a path to its goal in this step."""
+    return (
+        (rows[m.PURPOSE] == states.GOAL_PATH)
+        & (rows[m.CIRCLE_SIDE] != 0.0)
+        & (rows[m.BLOCKED] == 0.0)
+        & (rows[m.PART_END] - rows[m.DRIVEN] <= lead_distance(policy, rows))
+        & is_due(rows, policy.turns)
+    )
+
+
+@rare_kernel
+def find_shortcut(policy, rows):
+    """Look for a path to the goal that is shorter by ``policy.shortcut`` than the rest of this one.
+
+    Others may have moved since the current path was planned.
+    """
+    rest = total_length(rows, m.CURRENT_PATH) - rows[m.DRIVEN]
+    x, y, heading = sensed_goal(rows)
+    most = rest - policy.shortcut
+    _, first, middle, last = shortest_path(x, y, heading, rows[m.OWN_CIRCLE_RADIUS])
+    if first + middle + last >= most:
+        return False
+    if search(policy, rows, x, y, heading, states.GOAL_PATH, policy.margin, most):
+        adopt_path(rows, states.GOAL_PATH, policy.margin)
+        rows[m.ADOPTED] -= 1.0  # paths that become shorter do not block each other for long
+        return True
     return False
 
 
@@ -129,7 +169,7 @@ def try_to_begin(policy, rows):
 def find_way_out(policy, rows):
     """Look for another path from time to time. After some time, enter the reserved circle.
 
-    A HAV that can do neither gives up what it has reserved in the end, and stands.
+    A HAV that can do neither finally gives up its reservation, and stands.
     """
     blocked = int(rows[m.BLOCKED])
     if (blocked == 0 or is_due(rows, PLAN_PERIOD)) and plan_path(policy, rows, policy.margin):
@@ -139,7 +179,7 @@ def find_way_out(policy, rows):
     if rows[m.HELD] > 0.0 and rows[m.CIRCLE_SIDE] != 0.0:
         patient = rows[m.PURPOSE] != states.CIRCLE_PATH and blocked < policy.wait
         if not patient and enter_circle(rows):
-            _adopt(rows, states.CIRCLE_PATH, policy.margin)
+            adopt_path(rows, states.CIRCLE_PATH, policy.margin)
         elif blocked > _WAITS_BEFORE_GIVING_UP * policy.wait:
             _give_up(rows)
     elif rows[m.GATHERED] > 0.0 and reserve_circle_here(policy, rows, SHIFTS, CONTINUE_MARGIN):
@@ -157,5 +197,5 @@ def _leave_path(rows):
 
 @kernel
 def _give_up(rows):
-    """Give up what is reserved and stand: others keep clear of the chain only."""
+    """Give up the reservation and stand: others keep clear of the chain only."""
     rows[m.MODE], rows[m.TRIES] = states.STANDING, 0.0

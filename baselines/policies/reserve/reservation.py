@@ -1,14 +1,14 @@
-"""This module reserves: it predicts an outline of all that a HAV may occupy until it reserves anew.
+"""This module reserves an outline: all points that a HAV may occupy until its next reservation.
 
 A HAV reserves either the next part of its path and a circle behind that, or the rest of the path
-and the place where it stops at its goal. It can drive on the circle without end.
+and its stop at the goal. It can drive on the circle without end.
 
 The HAV predicts the part step by step, as the simulation will move it. The outline holds every axle
 of every step. Of the circle, the outline holds the disc of the truck's front axle. A pulled axle
-moves towards the one ahead, so nothing leaves the convex hull of chain and disc.
+moves towards the one ahead, so the chain stays in the convex hull of chain and disc.
 
-An outline keeps a margin from the outlines of all others. It also keeps a margin from each HAV that
-stands, or else every predicted step does.
+An outline keeps a margin from the outlines of all others. It also keeps a margin from each standing
+HAV, or else every predicted step does.
 """
 
 from baselines.policies.reserve.memory import rows as m
@@ -33,7 +33,7 @@ from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.geometry import wrap
 from hav_env.maths.kdop import SIDES, clear_outline, widen
 
-_NO_MARGIN = -1.0  # [m] HAVs that stand do not count while a part is predicted
+_NO_MARGIN = -1.0  # [m] standing HAVs do not count while a part is predicted
 PATH_ROUNDING = 1e-6  # [m] that a step may lead beyond the end of the reserved part
 
 
@@ -41,8 +41,8 @@ PATH_ROUNDING = 1e-6  # [m] that a step may lead beyond the end of the reserved 
 def predict_part(policy, rows, path, driven, heading, end, stop, margin):
     """Predict the next part of a path, and write its outline into ``TRIAL_OUTLINE``.
 
-    The outline is wider than the convex hull of all axles by the sag. So it holds the chain between
-    the steps too. The predicted chain and its axles are left as they are at the end.
+    The outline is wider than the convex hull of all axles by the sag. It therefore also holds the
+    chain between the steps. The predicted chain and its axles keep their state at the end.
 
     Args:
         policy: The Reserve.
@@ -52,7 +52,7 @@ def predict_part(policy, rows, path, driven, heading, end, stop, margin):
         heading: Truck's heading less that of the path's start [rad], up to whole turns.
         end: Distance along the path at which the part ends [m].
         stop: Whether the part ends at the goal instead.
-        margin: Margin to those that stand and are close [m]. They do not count if it is negative.
+        margin: Margin to close standing HAVs [m]. They do not count if it is negative.
 
     Returns:
         Whether the part can be driven, then x [m], y [m] and heading [rad] at its end in the own

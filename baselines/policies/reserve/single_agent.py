@@ -6,6 +6,8 @@ shortest one on which every articulation stays allowed, up to the goal and on th
 behind it.
 """
 
+import math
+
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes
 from baselines.policies.reserve.perception.own_state import sense_itself, sense_joints
@@ -20,6 +22,7 @@ from baselines.policies.reserve.prediction.trials import (
     run_trials,
 )
 from baselines.policies.reserve.tight_paths import (
+    LAST_TURN_FACTOR,
     list_shortest,
     write_endings,
     write_radii,
@@ -70,13 +73,13 @@ def plan_alone(policy, rows):
     """Write a path to the goal, and return whether one was found."""
     write_radii(rows)
     measure_longest_turns(rows)
-    write_endings(rows)
+    write_endings(rows, LAST_TURN_FACTOR)
     beyond = -1.0
     for _ in range(policy.shortlists):
-        count = list_shortest(policy, rows, beyond)
+        count = list_shortest(policy, rows, beyond, math.inf, 1, sizes.SHORTLIST_SIZE)
         survivor = _find_survivor(policy, rows, count)
         if survivor < count:
-            write_tight_path(policy, rows, int(rows[m.LISTED_NUMBERS + survivor]))
+            write_tight_path(policy, rows, int(rows[m.LISTED_NUMBERS + survivor]), m.CURRENT_PATH)
             return True
         if count < sizes.SHORTLIST_SIZE:
             break
@@ -101,7 +104,9 @@ def _find_survivor(policy, rows, count):
             if result == SURVIVED:
                 first = min(first, place)
             if result != RUNNING and waiting < first:
-                write_tight_path(policy, rows, int(rows[m.LISTED_NUMBERS + waiting]))
+                write_tight_path(
+                    policy, rows, int(rows[m.LISTED_NUMBERS + waiting]), m.CURRENT_PATH
+                )
                 begin_trial(rows, lane, m.CURRENT_PATH)
                 rows[m.TRIAL_PLACE + lane] = waiting
                 waiting += 1

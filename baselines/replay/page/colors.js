@@ -1,4 +1,4 @@
-// ---- colours, told apart with any colour vision; amber and red are kept for danger -----------
+// ---- colours of hav_env/rendering/colors.py, distinct for any colour vision; amber and red are danger --
 const dark = matchMedia("(prefers-color-scheme: dark)");
 let theme;
 
@@ -8,9 +8,7 @@ function readTheme() {
   for (const name of ["ground", "grid", "panel", "line", "text", "faint", "accent", "alert"]) {
     theme[name] = style.getPropertyValue(`--${name}`).trim();
   }
-  theme.havs = dark.matches
-    ? ["#56aee6", "#3fc795", "#ef9dd0", "#d2ab8c", "#ad9ff5", "#7f97ff", "#b4bcc8"]
-    : ["#0072b2", "#007a52", "#ce64a8", "#543018", "#2c1e6e", "#4040e4", "#5c6270"];
+  theme.havs = dark.matches ? episode.colors.dark : episode.colors.light;
   theme.ramp = dark.matches
     ? [[0, "#7d8890"], [0.5, "#e8c33c"], [0.8, "#ff8433"], [1, "#ff4f78"]]
     : [[0, "#98a1a8"], [0.5, "#dba800"], [0.8, "#db5a00"], [1, "#b0003a"]];
@@ -34,3 +32,12 @@ function blend(stops, place) {
 }
 
 const colorOf = (hav) => theme.havs[hav % theme.havs.length];
+/** Return the pattern of a HAV, one of PATTERNS in hav_env/rendering/colors.py. */
+const patternOf = (hav) => episode.patterns[Math.floor(hav / theme.havs.length) % episode.patterns.length];
+/** Return the background of a HAV's number in the panel. */
+const paintOf = (hav) => {
+  const color = colorOf(hav), pattern = patternOf(hav);
+  if (pattern === "plain") return color;
+  const angle = { stripe: "0deg", dashes: "90deg", dots: "45deg" }[pattern];
+  return `repeating-linear-gradient(${angle}, ${color} 0 5px, color-mix(in srgb, ${color}, ${theme.panel} 45%) 5px 7px)`;
+};

@@ -19,10 +19,13 @@ const steerings = decode(episode.steering, Int16Array);
 const evaded = decode(episode.evaded, Int16Array);
 // x and y of one end, x and y of the other, of every obstacle
 const segments = decode(episode.segments, Float32Array);
+// the outline that each HAV has reserved in each state, or NEVER; empty if none ever does
+const reserved = decode(episode.reserved, Int32Array), outlines = decode(episode.outlines, Int16Array);
 const removed = decode(episode.removed, Uint8Array);
+const OUTLINE_SIDES = 24;
 const { dt, lengths, hitchOffsets, shapes, axleUnit, footprint, articulationMax, goals, first, hitStep } = episode;
 const numRows = steps.length, numHavs = lengths.length, numGoals = goals[0].length;
-const duration = steps[numRows - 1] * dt;
+const began = steps[0] * dt, duration = steps[numRows - 1] * dt;  // first and last time shown [s]
 const unitsBefore = [0];
 for (const units of lengths) unitsBefore.push(unitsBefore[unitsBefore.length - 1] + units.length);
 const rowUnits = unitsBefore[numHavs];
@@ -110,3 +113,7 @@ function articulations(hav, row) {
 const hasHad = (hav, kind) => happened(first[hav][kind.row][0]);
 const harmsOf = (hav) => kinds.filter((kind) => kind.harm && hasHad(hav, kind));
 const isWaiting = (hav, phase) => happened(hitStep[hav][phase]);
+const hasArrived = (hav) => isWaiting(hav, numGoals - 1);
+/** Tell whether the episode ended because its time was up: not all HAVs had arrived. */
+const timeWasUp = steps[numRows - 1] >= episode.maxSteps
+  && hitStep.some((own, hav) => own[numGoals - 1] === NEVER && !removed[(numRows - 1) * numHavs + hav]);

@@ -9,7 +9,7 @@ function listEvents() {
   for (let hav = 0; hav < numHavs; hav++) {
     hitStep[hav].forEach((step, goal) => {
       if (step === NEVER) return;
-      list.push({ time: step * dt, havs: [hav], sign: "✓", color: () => theme.havs[1], text: `HAV ${hav} hits goal ${goal + 1}` });
+      list.push({ time: step * dt, havs: [hav], sign: "✓", color: () => theme.accent, text: `HAV ${hav} ${goal === numGoals - 1 ? "arrived at" : "hits"} goal ${goal + 1}` });
     });
     for (const kind of kinds) {
       const { row, sign, happens } = kind, [step, where] = first[hav][row];
@@ -25,10 +25,11 @@ function listEvents() {
       }
       const [theirs, partner] = first[where][row], mutual = theirs === step && partner === hav;
       if (mutual && where < hav) continue;
-      const pair = mutual ? `HAVs ${hav}, ${where}` : `HAV ${hav} with ${where}`;
+      const pair = mutual ? `HAVs ${hav}, ${where}` : `HAV ${hav} with HAV ${where}`;
       list.push({ ...event, havs: [hav, where], text: `${pair}: ${happens}` });
     }
   }
+  if (timeWasUp) list.push({ time: duration, havs: [], sign: "■", color: () => theme.text, text: "time was up" });
   return list.sort((one, two) => one.time - two.time);
 }
 
@@ -58,12 +59,12 @@ function buildPanel() {
     const button = element("button");
     event.mark = element("span", event.sign, "sign");
     button.append(element("span", seconds(event.time), "when"), event.mark, element("span", event.text));
-    button.onclick = () => { seek(event.time); if (!event.havs.includes(state.selected)) select(event.havs[0]); };
+    button.onclick = () => { seek(event.time); if (event.havs.length && !event.havs.includes(state.selected)) select(event.havs[0]); };
     event.item = element("li");
     event.item.append(button);
     find("events").querySelector("ul").append(event.item);
     event.tick = element("i");
-    event.tick.style.left = `${100 * event.time / (duration || 1)}%`;
+    event.tick.style.left = `${clip(100 * (event.time - began) / (duration - began || 1), 0, 100)}%`;
     find("ticks").append(event.tick);
   }
   find("events").querySelector("p").hidden = events.length > 0;
@@ -88,13 +89,15 @@ function buildPanel() {
     find("speed").append(option);
   }
   find("speed").value = episode.speed;
-  find("scrub").max = duration;
+  find("reserved").parentElement.hidden = outlines.length === 0;
+  listSigns();
+  Object.assign(find("scrub"), { min: began, max: duration });
 }
 
 function paintPanel() {
   for (const event of events) event.mark.style.color = event.tick.style.background = event.color();
-  buttons.forEach((button, hav) => { button.querySelector(".chip").style.background = colorOf(hav); });
-  if (state.selected !== null) find("chip").style.background = colorOf(state.selected);
+  buttons.forEach((button, hav) => { button.querySelector(".chip").style.background = paintOf(hav); });
+  if (state.selected !== null) find("chip").style.background = paintOf(state.selected);
   const stops = theme.ramp.map(([place, color]) => `${color} ${100 * place}%`);
   find("ramp").style.background = `linear-gradient(to right, ${stops.join(", ")})`;
 }
@@ -102,10 +105,32 @@ function paintPanel() {
 /** Return what a HAV is up to, as text, with what went wrong in bold. */
 function describe(hav, row) {
   const hits = hitStep[hav].filter(happened).length, bad = harmsOf(hav).map((kind) => kind.state);
-  const doing = removed[row * numHavs + hav] ? "has left" : isWaiting(hav, phases[row * numHavs + hav]) ? "waits"
-    : evaded[row * numHavs + hav] !== NEVER ? `evades ${evaded[row * numHavs + hav]}` : "";
+  const doing = removed[row * numHavs + hav] ? "has left"
+    : hasArrived(hav) ? "arrived" : isWaiting(hav, phases[row * numHavs + hav]) ? "waits"
+    : evaded[row * numHavs + hav] !== NEVER ? `evades HAV ${evaded[row * numHavs + hav]}` : "";
   const plain = [bad.length > 1 ? "" : doing, `${hits}/${numGoals}`].filter(Boolean).join(" · ");
   return [bad.join(", "), bad.length ? ` · ${plain}` : plain];
+}
+
+/** Explain the signs on the plane, each drawn as there. */
+function listSigns() {
+  const line = '<path d="M2 9 H26" ', none = 'fill="none" stroke="currentColor"';
+  const signs = [
+    ["goal: the truck's pose there", `<path d="M4 4 H18 L25 9 L18 14 H4 Z M8 9 H14 M11 6 V12" ${none} stroke-width="1.5"/>`],
+    ["path of the last two minutes", `${line}${none} stroke-width="2.5" opacity=".5"/>`],
+    ["footprint; solid: overlaps another", `<circle cx="9" cy="9" r="7" ${none} stroke-dasharray="3 3"/><circle cx="21" cy="9" r="6" ${none} stroke-width="1.75"/>`],
+    ["number; framed: jackknifed or collided", '<rect x="3" y="2" width="22" height="14" rx="7" fill="currentColor" stroke="var(--alert)" stroke-width="2.5"/>'],
+    ["bar at the time: an event", '<rect x="12" y="3" width="3" height="12" fill="currentColor"/>'],
+  ];
+  if (outlines.length) signs.push(["area that a HAV has reserved", '<rect x="3" y="3" width="22" height="12" fill="currentColor" fill-opacity=".15" stroke="currentColor"/>']);
+  if (evaded.some((other) => other !== NEVER)) signs.push(["evades the HAV on the dotted line", `<path d="M2 9 H11" ${none} stroke-dasharray="1 3"/><path d="M12 9 H20" ${none} stroke-width="2.5"/><path d="M19 4 L27 9 L19 14 Z" fill="currentColor"/>`]);
+  if (segments.length) signs.push(["obstacle; coloured: a HAV hit it", `${line}${none} stroke-width="2"/>`]);
+  for (const [text, drawn] of signs) {
+    const item = element("li");
+    item.innerHTML = `<svg width="28" height="18" viewBox="0 0 28 18" aria-hidden="true">${drawn}</svg>`;
+    item.append(element("span", text));
+    find("signs").querySelector("ul").append(item);
+  }
 }
 
 let told = -1;
@@ -119,7 +144,9 @@ function showTime() {
   const under = phases.subarray(row * numHavs, (row + 1) * numHavs);
   const least = Math.min(...under) + 1, most = Math.max(...under) + 1;
   const shown = least === most ? least : `${least}-${most}`;
-  find("phase").textContent = `goal ${shown} of ${numGoals} under way`;
+  const arrived = lengths.filter((_, hav) => hasArrived(hav)).length;
+  const over = timeWasUp && row === numRows - 1 ? "; time was up" : "";
+  find("phase").textContent = `goal ${shown} of ${numGoals}, ${arrived} of ${numHavs} arrived${over}`;
   for (const event of events) event.item.className = event.time > state.time + 1e-9 ? "ahead" : "";
   buttons.forEach((button, hav) => {
     const [bad, plain] = describe(hav, row), place = button.querySelector(".state");
@@ -154,6 +181,7 @@ function showFigures(row, pose) {
   if (numHavs > 1) {
     lines.push(
       ["evades", other === NEVER ? "nobody" : `HAV ${other}`],
+      ...(outlines.length ? [["reserved", outlineAt(hav, row) === NEVER ? "nothing" : "the area in its colour"]] : []),
       ...toldOf(kinds.filter((kind) => kind.company)));
   }
   const now = JSON.stringify(lines);

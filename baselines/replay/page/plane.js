@@ -30,6 +30,7 @@ function draw() {
     order.push(state.selected);  // on top of the others
   }
   const overlap = findOverlaps(poses, order);
+  if (layers.reserved) for (const hav of order) drawReserved(hav, row);
   if (layers.footprints) for (const hav of order) drawFootprint(hav, poses[hav], overlap[hav]);
   if (layers.trails) for (const hav of order) drawTrail(hav, row, poses[hav]);
   for (const hav of order) drawGoal(hav, phases[row * numHavs + hav], poses[hav]);
@@ -121,6 +122,29 @@ function drawFootprint(hav, pose, overlaps) {
   ctx.setLineDash(overlaps ? [] : [4, 4]);
   ctx.stroke();
   ctx.setLineDash([]);
+  ctx.globalAlpha = 1;
+}
+
+/** Return the number of the outline that a HAV has reserved in a row, NEVER for none. */
+const outlineAt = (hav, row) => (reserved.length === 0 ? NEVER : reserved[row * numHavs + hav]);
+
+/** Draw the area that a HAV has reserved. */
+function drawReserved(hav, row) {
+  const number = outlineAt(hav, row), chosen = hav === state.selected;
+  if (number === NEVER) return;
+  flat();
+  ctx.beginPath();
+  for (let corner = number * OUTLINE_SIDES; corner < (number + 1) * OUTLINE_SIDES; corner++) {
+    const [x, y] = [outlines[2 * corner], outlines[2 * corner + 1]];
+    ctx.lineTo(...onScreen(episode.outlineUnit * x, episode.outlineUnit * y));
+  }
+  ctx.closePath();
+  ctx.fillStyle = ctx.strokeStyle = colorOf(hav);
+  ctx.globalAlpha = chosen ? 0.2 : 0.11;
+  ctx.fill();
+  ctx.globalAlpha = chosen ? 1 : 0.65;
+  ctx.lineWidth = chosen ? 2 : 1.25;
+  ctx.stroke();
   ctx.globalAlpha = 1;
 }
 

@@ -26,6 +26,23 @@ function drawWheels(along, half, angle) {
   }
 }
 
+/** Draw the pattern of a HAV of half a width [m] along its axles, over its bodies. */
+function drawPattern(hav, pose, half) {
+  const pattern = patternOf(hav), width = Math.max(1, 0.6 * half * view.scale);
+  if (pattern === "plain") return;
+  flat();
+  ctx.beginPath();
+  for (const point of lineOf(hav, pose)) ctx.lineTo(...onScreen(...point));
+  ctx.strokeStyle = theme.ground;
+  ctx.lineWidth = width;
+  const gap = Math.max(2.5 * width, 5);
+  ctx.lineCap = pattern === "dots" ? "round" : "butt";
+  ctx.setLineDash({ stripe: [], dashes: [gap, gap], dots: [0.1, gap] }[pattern]);
+  ctx.stroke();
+  ctx.setLineDash([]);
+  ctx.lineCap = "round";
+}
+
 function drawVehicle(hav, pose, steering) {
   const pixel = 1 / view.scale, color = colorOf(hav), units = lengths[hav].length;
   const fine = view.scale > 3.2;  // wheels can be seen
@@ -42,6 +59,7 @@ function drawVehicle(hav, pose, steering) {
   }
   if (shapes !== null && 2 * half === widthOf(hav)) {  // rectangles are wide enough to be seen
     drawBodies(hav, pose, steering, fine);
+    drawPattern(hav, pose, half);
     drawJoints(hav, pose, fine);
     flat();
     return;
@@ -98,6 +116,7 @@ function drawVehicle(hav, pose, steering) {
     ctx.fill();
     ctx.stroke();
   }
+  drawPattern(hav, pose, half);
   drawJoints(hav, pose, fine);
   flat();
 }

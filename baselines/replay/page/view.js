@@ -1,9 +1,9 @@
 // ---- what can change -------------------------------------------------------------------------
 const state = {
-  time: 0, playing: false, speed: episode.speed, selected: null, follow: false, vehiclesDrawn: 0,
+  time: began, playing: false, speed: episode.speed, selected: null, follow: false, vehiclesDrawn: 0,
 };
 const view = { x: 0, y: 0, scale: 1, width: 0, height: 0, fitted: true };  // scale: pixels per m
-const layers = { footprints: true, trails: true, numbers: true };
+const layers = { reserved: true, footprints: true, trails: true, numbers: true };
 let stale = true, wanted = false;
 
 function refresh() {
@@ -27,7 +27,7 @@ function frame(now) {
 }
 
 function setPlaying(playing) {
-  if (playing && state.time >= duration) state.time = 0;
+  if (playing && state.time >= duration) state.time = began;
   state.playing = playing;
   before = null;
   find("play").setAttribute("aria-label", playing ? "Pause" : "Play");
@@ -36,7 +36,7 @@ function setPlaying(playing) {
   refresh();
 }
 
-function seek(time) { state.time = clip(time, 0, duration); refresh(); }
+function seek(time) { state.time = clip(time, began, duration); refresh(); }
 
 function select(hav) {
   state.selected = hav;
@@ -46,7 +46,7 @@ function select(hav) {
   buttons.forEach((button, k) => button.setAttribute("aria-pressed", String(k === hav)));
   if (hav !== null) {
     find("chip").textContent = hav;
-    find("chip").style.background = colorOf(hav);
+    find("chip").style.background = paintOf(hav);
     find("name").textContent = `HAV ${hav}`;
     const list = find("havs").querySelector("ul"), { offsetTop: top, offsetHeight: height } = buttons[hav].parentElement;
     list.scrollTop = clip(list.scrollTop, top + height - list.clientHeight, top);

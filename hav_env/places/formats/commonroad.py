@@ -23,15 +23,16 @@ _SHAPES = ("rectangle", "circle", "polygon")
 def read_commonroad(content: bytes) -> list[Outline]:
     """Return the outlines of a CommonRoad file of version 2018b or 2020a.
 
-    Obstacles that do not move become polygons. The edges of the area of all lanelets become lines;
-    the ends of roads stay open. Everything that moves is left out.
+    Static obstacles become polygons. The edges of the area of all lanelets become lines; the ends
+    of roads stay open. The reader ignores moving obstacles.
 
     Args:
-        content: of the file.
+        content: content of the file.
 
     Raises:
         ImportError: without the extra ``maps``.
-        TypeError, ValueError: naming the obstacle or lanelet, and what is wrong with it.
+        TypeError, ValueError: if an obstacle or lanelet is wrong; the message names it and the
+            rule.
     """
     trees = import_maps("defusedxml.ElementTree")
     parse_error = import_maps("xml.etree.ElementTree").ParseError
@@ -64,7 +65,7 @@ def _read_obstacle(name: str, tag: str, node: Any) -> Iterator[Outline]:
     if tag == "obstacle" and _text(name, node, "role") != "static":
         return
     x = y = angle = 0.0
-    if tag != "environmentObstacle":  # whose shape is where it stands
+    if tag != "environmentObstacle":  # its shape is in world coordinates
         x, y = _read_place(f"{name} position", _find(name, node, "initialState/position/point"))
         angle = _read_number(name, node, "initialState/orientation/exact")
     cosine, sine = math.cos(angle), math.sin(angle)
@@ -111,7 +112,7 @@ def _read_places(name: str, node: Any) -> list[list[float]]:
 
 
 def _read_place(name: str, node: Any) -> list[float]:
-    """Return x and y; heights are left out."""
+    """Return x and y without the height."""
     return [_read_number(name, node, entry) for entry in ("x", "y")]
 
 

@@ -15,21 +15,21 @@ GEOJSON_TYPES = (
     *("LineString", "MultiLineString", "Point", "MultiPoint"),
 )
 _DEEPEST = 10  # collections in collections
-_LEAST_EXTENT = 1.0  # of a site in metres; of a site in degrees that is 111 km
-_CODES = "4326|4979|4258|4267|4269|4283|4490|4617|4674|7844"  # of EPSG, those that are frequent
+_LEAST_EXTENT = 1.0  # side of a site in metres; in degrees it is 111 km
+_CODES = "4326|4979|4258|4267|4269|4283|4490|4617|4674|7844"  # frequent codes of EPSG
 _GEOGRAPHIC = rf"(?i)CRS:?84\b|EPSG\W+([\d.]+\W+)?({_CODES})$|^WGS[ _]?(19)?84$"
 _PROJECT = "project it to metres first, for example by ogr2ogr -t_srs EPSG:32632 (UTM zone 32)"
 
 
 def read_geojson(data: Any) -> list[Outline]:
-    """Return the outlines of what JSON has made of a GeoJSON file.
+    """Return the outlines of the parsed JSON of a GeoJSON file.
 
-    A feature whose property ``boundary`` is true is the boundary: a Polygon. A Point is a circle
-    that has the property ``radius`` [m]. Heights are left out.
+    A Polygon feature with the property ``boundary`` true is the boundary. A Point with the property
+    ``radius`` [m] is a circle. The reader ignores heights.
 
     Raises:
-        TypeError, ValueError: naming the entry, its value and what is allowed; coordinates that
-            are longitudes and latitudes are refused.
+        TypeError, ValueError: if an entry is wrong; the message names its value and the rule.
+            Longitudes and latitudes are rejected.
     """
     named = _check_crs(data)
     found = list(_read_object("", data, {}, 0))
@@ -43,7 +43,7 @@ def read_geojson(data: Any) -> list[Outline]:
 
 
 def _check_crs(data: Any) -> bool:
-    """Tell whether a file names its coordinate reference system; refuse one of degrees."""
+    """Return whether a file names its coordinate reference system; reject one in degrees."""
     crs = data.get("crs") if isinstance(data, dict) else None
     if crs is None:
         return False
@@ -57,7 +57,7 @@ def _check_crs(data: Any) -> bool:
 
 
 def _check_metres(points: np.ndarray) -> None:
-    """Refuse what can only be degrees: everything within a metre, and in their range."""
+    """Reject coordinates that must be degrees: all within 1 of each other, and in their range."""
     width, height = np.ptp(points, axis=0)
     if max(width, height) < _LEAST_EXTENT and (abs(points) <= (180.0, 90.0)).all():
         x, y = points[0]
@@ -73,10 +73,10 @@ def _read_object(
     """Yield the outlines in an object of GeoJSON, each with its name.
 
     Args:
-        name: where it stands, for messages.
+        name: name of its place, for messages.
         value: the object.
-        properties: of the feature that it is in.
-        depth: how many objects it is in.
+        properties: properties of its feature.
+        depth: nesting depth of the object.
     """
     if not isinstance(value, dict):
         raise TypeError(f"{name or 'GeoJSON'} is {show(value)}, but must be an object")
@@ -103,7 +103,7 @@ def _read_object(
 
 def _check_properties(name: str, properties: dict) -> None:
     boundary = properties.get("boundary")
-    # other programs use the word too: OpenStreetMap's boundary=administrative is none of a site
+    # other programs use the word too: OpenStreetMap's boundary=administrative bounds no site
     meant = isinstance(boundary, str) and boundary.lower() not in ("true", "yes", "1")
     if not (boundary is None or isinstance(boundary, bool) or meant):
         raise ValueError(f"{name}.boundary is {show(boundary)}, but must be true or false")

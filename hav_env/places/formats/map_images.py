@@ -18,21 +18,20 @@ _DEEP = ("I", "I;16", "I;16B")  # 16 bits
 def read_shades(
     path: str | os.PathLike[str], average_alpha: bool
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """Return how white the cells of a map are.
+    """Return the shares of white of the cells of a map.
 
     Args:
-        path: of a PGM, PNG or BMP file.
-        average_alpha: whether opacity counts as one more colour, as map_server has it for
-            trinary maps.
+        path: path of a PGM, PNG or BMP file.
+        average_alpha: whether opacity counts as one more colour, as in map_server's trinary maps.
 
     Returns:
         (H, W) float32 shares of white, the highest row first; and (H, W) bool, whether they are
-        opaque, or None where nothing tells.
+        opaque, or None without opacity.
 
     Raises:
         ImportError: without the extra ``maps``.
-        OSError: when the file cannot be opened.
-        ValueError: when it is no such image, or too large.
+        OSError: if the system cannot open the file.
+        ValueError: if it is no such image, or too large.
     """
     image_module = import_maps("PIL.Image")
     with open(path, "rb") as file:
@@ -44,7 +43,7 @@ def read_shades(
                 picture = image_module.open(file, formats=_FORMATS)
         except image_module.DecompressionBombError:
             raise ValueError(f"image {path} is too large: {_least_told()}") from None
-        except Exception as error:  # Pillow's readers raise whatever a broken file meets
+        except Exception as error:  # Pillow's readers raise errors of any type for a broken file
             told = f"image {path} is no PGM, PNG or BMP that can be read"
             raise ValueError(f"{told}: {show(error, str)}") from None
         width, height = picture.size

@@ -18,7 +18,7 @@ from hav_env.places.site import POLYGON, Outline
 
 _MOST_BYTES = 2**14  # of the YAML file
 _DEEPEST_YAML = 8  # lists in lists: PyYAML takes minutes for thousands
-_HALF = 0.5  # of a cell: the tolerance if none is given
+_HALF = 0.5  # share of a cell: the default tolerance
 _POSE: tuple[Any, ...] = (Coordinate, Coordinate, Heading)
 _NUMBERS = ("resolution", "occupied_thresh", "free_thresh")
 Resolution = Annotated[float, Range(1e-4, 1e3, "m")]
@@ -41,7 +41,7 @@ class MapDescription(NamedTuple):
     free_thresh: Share
     """A cell whose share is below this is free."""
     mode: Mode = "trinary"
-    """With "scale", cells that are transparent are unknown."""
+    """Whether transparent cells are unknown, as with the mode "scale"."""
 
 
 def read_occupancy_map(
@@ -50,14 +50,16 @@ def read_occupancy_map(
     """Return the outlines of the occupied cells: one polygon with all their rings.
 
     Args:
-        path: of the YAML file.
-        tolerance: how far the outlines may be from those of the cells [m]; by default half a cell.
+        path: path of the YAML file.
+        tolerance: largest deviation of the outlines from those of the cells [m]; by default half a
+            cell.
         unknown_occupied: whether cells that are neither occupied nor free count as occupied.
 
     Raises:
         ImportError: without the extra ``maps``.
-        OSError: when a file cannot be read.
-        ValueError, TypeError: naming the entry, or the image, and what is wrong with it.
+        OSError: if the system cannot read a file.
+        ValueError, TypeError: if an entry, or the image, is wrong; the message names it and the
+            rule.
     """
     told = _describe(_read_yaml(path))
     image = _beside(path, told.image)
@@ -79,7 +81,7 @@ def read_occupancy_map(
 
 
 def _read_yaml(path: str | os.PathLike[str]) -> Any:
-    """Return what YAML has made of a file; aliases and depth could make it endless."""
+    """Return the parsed YAML of a file; reject aliases and depth, which could make it endless."""
     yaml = import_maps("yaml")
     with open(path, "rb") as file:
         content = file.read(_MOST_BYTES + 1)
@@ -96,7 +98,7 @@ def _check_events(yaml: Any, content: bytes) -> None:
     depth = 0
     for event in yaml.parse(content, Loader=yaml.SafeLoader):
         if isinstance(event, yaml.AliasEvent):
-            raise ValueError(f"the alias *{event.anchor} stands there, but must not")
+            raise ValueError(f"the file has the alias *{event.anchor}, but must have none")
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if depth > _DEEPEST_YAML:
@@ -105,7 +107,7 @@ def _check_events(yaml: Any, content: bytes) -> None:
 
 
 def _describe(data: Any) -> MapDescription:
-    """Check what the YAML file holds; other entries than the known ones are left alone."""
+    """Check the content of the YAML file; ignore unknown entries."""
     if not isinstance(data, dict):
         raise TypeError(f"the file holds {show(data)}, but must hold entries such as image")
     given: dict[str, Any] = {}
@@ -139,7 +141,7 @@ def _describe(data: Any) -> MapDescription:
 
 
 def _number(value: Any) -> Any:
-    """Return a number that PyYAML takes for a word, such as 5e-2."""
+    """Return a number that PyYAML reads as a word, such as 5e-2."""
     try:
         return float(value) if isinstance(value, str) else value
     except ValueError:
@@ -147,7 +149,7 @@ def _number(value: Any) -> Any:
 
 
 def _beside(path: str | os.PathLike[str], image: str) -> pathlib.Path:
-    """Return where the image is; a file from a stranger must not name files elsewhere."""
+    """Return the path of the image; reject files in other folders, because strangers write maps."""
     folder = pathlib.Path(path).resolve().parent
     try:
         found = (folder / image).resolve()
@@ -159,7 +161,7 @@ def _beside(path: str | os.PathLike[str], image: str) -> pathlib.Path:
 
 
 def _placing(told: MapDescription) -> Callable[[np.ndarray], np.ndarray]:
-    """Return what takes corners of cells (P, 2) to where they are [m]."""
+    """Return a function from corners of cells (P, 2) to coordinates [m]."""
     x, y, yaw = told.origin
     along = told.resolution * np.array([np.cos(yaw), np.sin(yaw)])
     up = np.array([-along[1], along[0]])

@@ -1,4 +1,4 @@
-"""This module finds the edges of roads: where the area of all lanes ends at their sides."""
+"""This module finds the edges of roads: the sides of the area of all lanes."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -7,8 +7,8 @@ import numpy as np
 
 from hav_env.places.libraries import import_maps
 
-_INSIDE = 0.1  # [m] farther inside the area of all lanes nothing is an edge of it
-_LEAST_ISLAND = 4.0  # [m2] smaller gaps among lanes are left by who drew them
+_INSIDE = 0.1  # [m] depth inside the area of all lanes beyond which nothing is an edge
+_LEAST_ISLAND = 4.0  # [m2] smaller gaps among lanes are artefacts of drawing
 
 
 class Lane(NamedTuple):
@@ -27,12 +27,12 @@ class Lane(NamedTuple):
 def edges_of_roads(lanes: Sequence[Lane]) -> list[np.ndarray]:
     """Return the bounds without a lane beyond them, as chains of points (P, 2) [m].
 
-    Lanes cross and fork at junctions. There the parts of bounds that other lanes cover are left
-    out: what is farther than 0.1 m inside the area of all. Gaps among lanes of less than 4 m2
-    count as covered.
+    Lanes cross and fork at junctions. There the result leaves out parts of bounds that other lanes
+    cover: those farther than 0.1 m inside the area of all. Gaps among lanes of less than 4 m2 count
+    as covered.
 
     Args:
-        lanes: of all roads.
+        lanes: lanes of all roads.
 
     Raises:
         ImportError: without the extra ``maps``.
@@ -55,7 +55,7 @@ def edges_of_roads(lanes: Sequence[Lane]) -> list[np.ndarray]:
 
 def _filled(shapely: Any, part: Any) -> Any:
     """Return a part of the area of all lanes without its small holes."""
-    if part.geom_type != "Polygon":  # where a lane has no width
+    if part.geom_type != "Polygon":  # a lane without width
         return part
     holes = [hole for hole in part.interiors if shapely.Polygon(hole).area >= _LEAST_ISLAND]
     return shapely.Polygon(part.exterior, holes)

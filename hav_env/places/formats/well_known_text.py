@@ -11,18 +11,18 @@ from hav_env.places.outlines import read_chain, read_ring
 from hav_env.places.site import LINE, POLYGON, Outline
 
 _KINDS = "POLYGON, LINESTRING, their MULTI forms, GEOMETRYCOLLECTION"
-_MOST_NESTED = 50  # brackets: GEOS reads nested collections by recursion
+_MOST_NESTED = 50  # nesting of brackets: GEOS reads collections by recursion
 
 
 def read_wkt(text: str) -> list[Outline]:
-    """Return the outlines of a text. It has no boundary, and heights are left out.
+    """Return the outlines of a text, without heights; the format has no boundary.
 
     Args:
-        text: a geometry a line; empty lines and lines that begin with # are left out.
+        text: one geometry per line; empty lines and lines that begin with # are ignored.
 
     Raises:
         ImportError: without the extra ``maps``.
-        ValueError: naming the line and what is wrong with it.
+        ValueError: if a line is wrong; the message names it and the rule.
     """
     shapely = import_maps("shapely")
     found: list[Outline] = []
@@ -30,7 +30,7 @@ def read_wkt(text: str) -> list[Outline]:
         words = line.strip()
         if not words or words.startswith("#"):
             continue
-        if words.upper().startswith("SRID="):  # as PostGIS writes it
+        if words.upper().startswith("SRID="):  # the form that PostGIS writes
             words = words.partition(";")[2]
         deepest, rest = _scan(words)
         if deepest > _MOST_NESTED:
@@ -39,7 +39,7 @@ def read_wkt(text: str) -> list[Outline]:
         if rest:
             raise ValueError(f"line {number} goes on by {show(rest)}, but must be one geometry")
         try:
-            with np.errstate(all="ignore"):  # nan and inf, which are refused below
+            with np.errstate(all="ignore"):  # nan and inf, which are rejected below
                 geometry = shapely.from_wkt(words)
         except (shapely.errors.ShapelyError, NotImplementedError, ValueError) as error:
             told = f"line {number} is {show(words)}, but must be a geometry in WKT"
@@ -49,7 +49,7 @@ def read_wkt(text: str) -> list[Outline]:
 
 
 def _scan(words: str) -> tuple[int, str]:
-    """Return how deep brackets are, and what follows the first geometry: older GEOS drops it."""
+    """Return the depth of brackets, and the text after the first geometry: older GEOS drops it."""
     deepest = depth = 0
     for place, letter in enumerate(words):
         depth += (letter == "(") - (letter == ")")

@@ -1,4 +1,4 @@
-"""This module has the aisles of a warehouse, in which tugger trains drive from rack to rack."""
+"""This module defines the aisles of a warehouse, where tugger trains drive between racks."""
 
 import math
 
@@ -15,13 +15,13 @@ _AISLES_RACK, _AISLES_RACK_LENGTH = 2.4, 22.0
 _AISLES_CROSS_AISLE = 5.0
 """Width of the aisles at both ends of the racks [m]; assumed."""
 _AISLES_STOP = 5.0
-"""How far ahead of the middle of its aisle the rear axle of a truck stops [m]; assumed."""
+"""Stop of a truck's rear axle ahead of the middle of its aisle [m]; assumed."""
 
 
 def aisles() -> SitePoses:
     """Return the scenario ``aisles-6``: from a place in one aisle to a place in another.
 
-    Aisles are one-way streets in turns, to the north and to the south.
+    Aisles are one-way, alternately to the north and to the south.
     """
     pitch, half = _AISLES_AISLE + _AISLES_RACK, 0.5 * _AISLES_RACK_LENGTH
     left = -0.5 * _AISLES_NUM_AISLES * pitch

@@ -1,4 +1,4 @@
-"""This module has a yard with docks that HAVs drive through, and with waiting lanes."""
+"""This module defines a yard with drive-through docks and waiting lanes."""
 
 import math
 
@@ -14,7 +14,7 @@ _DOCKS_WALL, _DOCKS_WALL_LENGTH = 0.3, 18.0
 """Thickness and length of dock walls [m]; assumed: a little longer than an articulated vehicle of
 16.5 m, the most that Directive 96/53/EC allows."""
 _DOCKS_STOP = 13.0
-"""Where the rear axle of a truck stands in its bay [m], from the bay's entrance; assumed."""
+"""Stop of a truck's rear axle in its bay [m], from the bay's entrance; assumed."""
 _DOCKS_LANES_AT = (32.0, 36.5, 41.0)
 """Waiting lanes on each side [m], from the yard's middle axis; assumed."""
 _DOCKS_HALF_WIDTH, _DOCKS_SOUTH, _DOCKS_NORTH = 50.0, -46.0, 54.0

@@ -1,4 +1,4 @@
-"""This module has a wall with a narrow gate: HAVs from both sides want to pass it.
+"""This module defines a wall with a narrow gate that HAVs pass from both sides.
 
 Behind the gate, on both sides, is a yard where a HAV turns round and waits for its next passage.
 """
@@ -7,19 +7,21 @@ import math
 
 from hav_env.places import build_site
 from hav_env.scenarios.catalogue_fleet import catalogue_fleet
-from hav_env.scenarios.site_poses import SitePoses, site_poses
+from hav_env.scenarios.site_poses import SitePoses, site_poses, turn_pose
 from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 
 _GATE_VEHICLE_WIDTH = 2.55
-"""[m], the most that Directive 96/53/EC allows, and that of both vehicles."""
+"""Width of both vehicles [m], the most that Directive 96/53/EC allows."""
 _GATE_SPARE = 1.0
-"""How much wider the gate is [m]; chosen for this scenario."""
+"""Width of the gate beyond that [m]; chosen for this scenario."""
 _GATE_WALL = 0.4
 """Thickness of the wall [m]; assumed."""
 _GATE_YARD_LENGTH, _GATE_YARD_WIDTH = 100.0, 52.0
-"""Of the yard on each side [m]; assumed: room for a half circle of the longest vehicle."""
+"""Size of the yard on each side [m]; assumed: a half circle of the longest vehicle fits."""
 _GATE_WAITING_AT, _GATE_WAITING_ASIDE = 54.0, 13.0
-"""Where the rear axles of waiting trucks are [m], from the gate and from its axis; assumed."""
+"""Rear axles of waiting trucks [m], from the gate and from its axis; assumed."""
+_GATE_ROAD_AT = (-9.0, 22.0)
+"""Positions before and behind the gate where vehicles are straight [m]; chosen."""
 
 
 def gate() -> SitePoses:
@@ -52,4 +54,6 @@ def gate() -> SitePoses:
     west, east = ("west", "other west"), ("east", "other east")
     ways = {**dict.fromkeys(west, east), **dict.fromkeys(east, west)}
     fleet = catalogue_fleet(SITE_VEHICLES["gate-2"])
-    return site_poses(build_site(ends, walls), fleet, places, ways, ("west", "east"), 2)
+    road = [turn_pose((x, 0.0, 0.0, 0.0), angle) for x in _GATE_ROAD_AT for angle in (0.0, math.pi)]
+    site = build_site(ends, walls)
+    return site_poses(site, fleet, places, ways, ("west", "east"), 2, road=road)

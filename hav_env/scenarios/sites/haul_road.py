@@ -1,4 +1,4 @@
-"""This module has a haul road: two-way, with a bend, between a loading and a dumping loop."""
+"""This module defines a two-way haul road with a bend, between a loading and a dumping loop."""
 
 import math
 
@@ -14,11 +14,11 @@ _HAUL_LANE = 4.4
 _HAUL_STRAIGHT, _HAUL_BEND = 40.0, 50.0
 """Straights of the road [m], and radius of the quarter circle between them; assumed."""
 _HAUL_LOOP_LENGTH, _HAUL_LOOP_HALF_WIDTH = 145.0, 38.0
-"""Of the places with the loops [m]; assumed: room for the vehicles to turn and to wait straight."""
+"""Size of the places with the loops [m]; assumed: vehicles can turn and wait straight."""
 _HAUL_PILE = ((-95.0, -3.0), (-40.0, 10.0))
 """Two corners of the pile inside of a loop [m], from the mouth of the road; assumed."""
 _HAUL_STOP, _HAUL_LANES_AT = -62.0, (-11.0, -16.0, -21.0, -26.0)
-"""Where rear axles of trucks stop [m], from the mouth of the road; assumed."""
+"""Stops of the trucks' rear axles [m], from the mouth of the road; assumed."""
 _HAUL_BEND_STEPS = 12
 
 
@@ -52,9 +52,9 @@ def haul_road() -> SitePoses:
 
 
 def _turned(point: tuple[float, float]) -> tuple[float, float]:
-    """Return where a point of the loading loop is in the dumping loop.
+    """Return the point of the dumping loop that matches a point of the loading loop.
 
-    The road comes back from there as it comes from the loading loop: a quarter turn.
+    The map is a quarter turn, as the road's.
     """
     x, y = point
     return _HAUL_STRAIGHT + _HAUL_BEND - y, -_HAUL_BEND - _HAUL_STRAIGHT + x

@@ -1,6 +1,6 @@
-"""This module has a junction of two roads: HAVs from four arms cross, turn left or turn right.
+"""This module defines a junction of two roads: HAVs from four arms cross or turn.
 
-At the end of each arm is a place to turn round, from where HAVs come back to the junction.
+At the end of each arm HAVs turn round and come back to the junction.
 """
 
 import math
@@ -9,7 +9,7 @@ import numpy as np
 
 from hav_env.places import build_site
 from hav_env.scenarios.catalogue_fleet import catalogue_fleet
-from hav_env.scenarios.site_poses import SitePoses, site_poses
+from hav_env.scenarios.site_poses import SitePoses, site_poses, turn_pose
 from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 
 _JUNCTION_LANE = 4.0
@@ -17,12 +17,14 @@ _JUNCTION_LANE = 4.0
 _JUNCTION_KERB_RADIUS = 12.0
 """Radius of the kerb between two arms [m]; assumed."""
 _JUNCTION_ARM = 45.0
-"""Where the arms end [m], from the middle of the junction; assumed."""
+"""Ends of the arms [m], from the middle of the junction; assumed."""
 _JUNCTION_HEAD_LENGTH, _JUNCTION_HEAD_HALF_WIDTH = 72.0, 26.0
-"""Of the place to turn round at the end of each arm [m]; assumed."""
+"""Size of the turning place at the end of each arm [m]; assumed."""
 _JUNCTION_WAITING_AT, _JUNCTION_WAITING_ASIDE = 73.0, (3.0, 7.5)
-"""Where the rear axles of waiting trucks are [m], from the middle and to the right; assumed."""
+"""Rear axles of waiting trucks [m], from the middle and to the right; assumed."""
 _JUNCTION_KERB_STEPS = 6
+_JUNCTION_ROAD = ((40.0, 2.0, math.pi), (40.0, -1.5, math.pi), (42.0, -2.0, 0.0), (42.0, 1.5, 0.0))
+"""Poses on the lanes of an arm, to the junction and from it; chosen for this scenario."""
 
 
 def junction() -> SitePoses:
@@ -54,4 +56,9 @@ def junction() -> SitePoses:
         ]
     ways = {name: [other for other in places if other != name] for name in places}
     fleet = catalogue_fleet(SITE_VEHICLES["junction-4"])
-    return site_poses(build_site(bounds), fleet, places, ways, list(places), 4)
+    road = [
+        turn_pose((x, y, heading, 0.0), arm * math.pi / 2)
+        for arm in range(4)
+        for x, y, heading in _JUNCTION_ROAD
+    ]
+    return site_poses(build_site(bounds), fleet, places, ways, list(places), 4, road=road)

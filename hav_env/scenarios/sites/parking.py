@@ -1,4 +1,4 @@
-"""This module has a parking area with oblique places that HAVs drive through, in two rows."""
+"""This module defines a parking area with two rows of oblique drive-through places."""
 
 import math
 
@@ -11,17 +11,17 @@ _PARKING_IN_A_ROW = 5
 _PARKING_OBLIQUE = math.radians(60.0)
 """Angle between the places and the row [rad]; assumed."""
 _PARKING_WIDTH = 4.2
-"""Of a place [m], with half of the kerbs on both sides; assumed."""
+"""Width of a place [m], with half of the kerbs on both sides; assumed."""
 _PARKING_KERB, _PARKING_KERB_LENGTH = 0.4, 12.0
 """Width and length of the kerbs between places [m]; assumed."""
 _PARKING_STOP = 3.0
-"""How far ahead of the middle of its place the rear axle of a truck stops [m]; assumed."""
+"""Stop of a truck's rear axle ahead of the middle of its place [m]; assumed."""
 _PARKING_GAP = 26.0
-"""Between the rows [m]; assumed, with a building in the middle."""
+"""Distance of the rows [m]; assumed, with a building in the middle."""
 _PARKING_BUILDING = 8.0
 """Length and width of the building [m]; assumed."""
 _PARKING_BESIDE, _PARKING_DEPTH = 32.0, 42.0
-"""Between the rows and the bounds, and from the middle of a row to them [m]; assumed."""
+"""Distances from the rows, and from the middle of a row, to the bounds [m]; assumed."""
 
 
 def parking() -> SitePoses:

@@ -1,4 +1,4 @@
-"""This module has a roundabout with four arms, each with a place to turn round at its end."""
+"""This module defines a roundabout with four arms, each with a turning place at its end."""
 
 import math
 
@@ -12,7 +12,7 @@ from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 _ROUNDABOUT_ISLAND = 5.3
 """Radius of the island [m], the inner one of the turning ring in Directive 96/53/EC."""
 _ROUNDABOUT_RING = 16.0
-"""Outer radius of the ring [m]. The directive's 12.5 m would do for ``farm-train`` alone. With
+"""Outer radius of the ring [m]. The directive's 12.5 m would suffice for ``farm-train`` alone. With
 0.3 m to spare outside, ``eu-semi-trailer`` comes within 4.70 m of the centre there. For
 ``eurocombi`` no drives were found at 16 m."""
 _ROUNDABOUT_LANE = 4.0
@@ -20,11 +20,11 @@ _ROUNDABOUT_LANE = 4.0
 _ROUNDABOUT_KERB_RADIUS = 12.0
 """Radius of the kerb between an arm and the ring [m]; assumed."""
 _ROUNDABOUT_ARM = 50.0
-"""Where the arms end [m], from the middle of the ring; assumed."""
+"""Ends of the arms [m], from the middle of the ring; assumed."""
 _ROUNDABOUT_HEAD_LENGTH, _ROUNDABOUT_HEAD_HALF_WIDTH = 88.0, 28.0
-"""Of the place to turn round at the end of each arm [m]; assumed."""
+"""Size of the turning place at the end of each arm [m]; assumed."""
 _ROUNDABOUT_WAITING_AT, _ROUNDABOUT_WAITING_ASIDE = 84.0, (3.0, 7.5)
-"""Where the rear axles of waiting trucks are [m], from the middle and to the right; assumed."""
+"""Rear axles of waiting trucks [m], from the middle and to the right; assumed."""
 _ROUNDABOUT_STEPS = 6
 _ROUNDABOUT_ISLAND_SIDES = 24
 

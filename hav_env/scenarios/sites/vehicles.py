@@ -1,4 +1,4 @@
-"""This module says which vehicles of the catalogue drive on each site."""
+"""This module lists the vehicles of the catalogue on each site."""
 
 SITE_VEHICLES = {
     "gate-2": ("eu-semi-trailer", "eurocombi"),
@@ -8,5 +8,6 @@ SITE_VEHICLES = {
     "aisles-6": ("tugger-train",),
     "haul-road-4": ("a-double", "b-double"),
     "roundabout-6": ("eu-semi-trailer", "farm-train"),
+    "apron-6": ("baggage-train",),
 }
 """Names of vehicles by scenario, in the order of its fleet."""

@@ -1,7 +1,7 @@
-"""This package has the catalogue of real vehicles: one file for each family of them.
+"""This package defines the catalogue of real vehicles, one file for each family.
 
-A vehicle is a ``Combination`` of numbers. Each number stands beside its source, or beside the
-reason for which it is assumed. A package of your own adds vehicles by entry points in the group
+A vehicle is a ``Combination`` of numbers. Each number has its source, or the reason for an
+assumption. A package of your own adds vehicles by entry points in the group
 ``hav_env.combinations``, or in JSON files.
 """
 
@@ -32,12 +32,12 @@ def catalogue(name: str) -> Combination:
     """Return a real vehicle.
 
     Args:
-        name: such as ``"wb-67"``; ``COMBINATIONS.names()`` has all. ``module:NAME`` is a vehicle of
-            your own, and so is the path of a JSON file (``vehicle.schema.json``).
+        name: a name such as ``"wb-67"``; ``COMBINATIONS.names()`` lists all. ``module:NAME`` is a
+            vehicle of your own, and so is the path of a JSON file (``vehicle.schema.json``).
 
     Raises:
-        TypeError: when the name is no text.
-        ValueError: when there is no such vehicle; the message lists the names.
+        TypeError: if the name is no text.
+        ValueError: if there is no such vehicle; the message lists the names.
     """
     return COMBINATIONS.find(name)
 

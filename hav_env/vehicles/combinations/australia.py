@@ -1,4 +1,4 @@
-"""This module has trucks of Australia: a B-double and an A-triple road train."""
+"""This module defines trucks of Australia: a B-double and an A-triple road train."""
 
 from hav_env.vehicles.combinations.limits import DRAWBAR_ANGLE, RIGHT_ANGLE, loaded_truck
 from hav_env.vehicles.combinations.sources import Quantity, Trailer, Truck, assumed, cited, combine

@@ -1,4 +1,4 @@
-"""This module has the form of a vehicle of the catalogue: units, limits, origins of all numbers."""
+"""This module defines a vehicle of the catalogue: units, limits, origins of all numbers."""
 
 from typing import NamedTuple
 
@@ -14,42 +14,42 @@ from hav_env.models.quantities import (
 
 
 class Unit(NamedTuple):
-    """One stiff part of a vehicle: the truck, a semi-trailer, a dolly, a drawbar, a body."""
+    """One rigid part of a vehicle: the truck, a semi-trailer, a dolly, a drawbar, a body."""
 
     length: Length
     """Wheelbase of the truck; of a trailer, from its hitch to the middle of its axles [m]."""
     hitch: Offset
-    """How far behind the axle of the unit ahead this unit is hitched [m]. Above 0 it is a drawbar,
+    """Distance of this unit's hitch behind the axle of the unit ahead [m]. Above 0 it is a drawbar,
     below 0 a fifth wheel ahead of the axle, 0 the paper's hitch. The truck's is 0."""
     half_width: Distance
     """Half the width of the body, a rectangle [m]."""
     front: Distance
-    """How far the body reaches ahead of the truck's front axle, or of the trailer's hitch [m]. The
+    """Reach of the body ahead of the truck's front axle, or of the trailer's hitch [m]. The
     body of a drawbar or a dolly begins at its hitch: 0."""
     rear: Distance
-    """How far the body reaches behind its axle [m]."""
+    """Reach of the body behind its axle [m]."""
     articulation_max: Articulation
     """Greatest angle to the unit ahead [rad]; the truck's is the greatest of its trailers'."""
 
 
 class Origin(NamedTuple):
-    """Where a number is from."""
+    """The origin of a number."""
 
     field: str
     """Name of the number, such as ``units[1].length`` or ``speed_max``."""
     source: str
-    """Source that was seen; empty where the number is an assumption."""
+    """Source; empty if the number is an assumption."""
     note: str
-    """How the number follows from what stands in the source, or why it is assumed."""
+    """Derivation of the number from its source, or the reason for the assumption."""
 
     @property
     def assumed(self) -> bool:
-        """Whether no source was seen."""
+        """Whether the number has no source."""
         return not self.source
 
 
 class Combination(NamedTuple):
-    """A real vehicle: a truck and all that it pulls."""
+    """A real vehicle: a truck and its trailers."""
 
     name: str
     """Name in the catalogue."""
@@ -58,8 +58,8 @@ class Combination(NamedTuple):
     units: tuple[Unit, ...]
     """Units from front to rear, the truck first: 2 to 11."""
     speed_max: Speed
-    """Working speed [m/s]. Trucks are faster on roads. Wheels that roll without slip are a model of
-    them up to some 5 m/s."""
+    """Working speed [m/s]. Trucks are faster on roads. The model of wheels without slip holds up to
+    about 5 m/s."""
     steering_max: Steering
     """Greatest steering angle of a wheel in the middle of the front axle [rad]."""
     steering_rate: AboveZero

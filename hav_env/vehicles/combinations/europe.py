@@ -1,4 +1,4 @@
-"""This module has trucks of Europe: semi-trailers, truck and trailer, EuroCombi, A-double."""
+"""This module defines trucks of Europe: semi-trailers, truck and trailer, EuroCombi, A-double."""
 
 from hav_env.vehicles.combinations.limits import (
     APOLLO,

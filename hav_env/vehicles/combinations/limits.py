@@ -1,4 +1,4 @@
-"""This module has limits that vehicles of the catalogue share: steering, speed, acceleration."""
+"""This module defines common limits of the catalogue: steering, speed, acceleration."""
 
 import math
 
@@ -16,7 +16,7 @@ USUAL_STEERING_RATE = assumed(0.5, "near the 0.523 rad/s of Apollo's truck")
 
 
 def jackknife_angle(degrees: float, reason: str) -> Quantity:
-    """Return an articulation limit [rad] without a source, and why it is plausible."""
+    """Return an articulation limit [rad] without a source, and the reason for it."""
     return assumed(math.radians(degrees), reason)
 
 
@@ -28,7 +28,7 @@ def loaded_truck(**known: Quantity) -> dict[str, Quantity]:
     """Return the limits of a loaded truck in a yard.
 
     Args:
-        known: those of which more is known; they replace the assumptions.
+        known: limits with better sources; they replace the assumptions.
     """
     return {
         "speed_max": assumed(5.0, "usual in yards; there the model of rolling wheels holds"),

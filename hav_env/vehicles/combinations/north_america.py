@@ -1,4 +1,4 @@
-"""This module has AASHTO's design vehicles of North America: semi-trailer, doubles and triple."""
+"""This module defines AASHTO's design vehicles of North America: semi-trailer, doubles, triple."""
 
 import math
 
@@ -50,10 +50,10 @@ def _trailers_on_dollies(
     """Return semi-trailers, all but the first of them on converter dollies.
 
     Args:
-        trailers: their wheelbases, WB2 and so on.
-        s: from an axle to the hitch behind it.
-        t: from that hitch to the dolly's axle.
-        rear: overhang of the last; those ahead of it are assumed to be alike.
+        trailers: wheelbases, WB2 and so on.
+        s: distance from an axle to the hitch behind it.
+        t: distance from that hitch to the dolly's axle.
+        rear: overhang of the last trailer; the others are assumed to have the same.
     """
     alike = assumed(rear.value, "that of the last trailer")
     dolly = Trailer(

@@ -1,6 +1,6 @@
-"""This module writes down vehicles of the catalogue: no number without its source or a reason.
+"""This module defines vehicles of the catalogue, each number with a source or a reason.
 
-``cited`` and ``assumed`` make ``Quantity``, and ``combine`` makes a vehicle of them.
+``cited`` and ``assumed`` return a ``Quantity``, and ``combine`` builds a vehicle from them.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from hav_env.vehicles.steady_circles import check_damped
 
 
 class Quantity(NamedTuple):
-    """A number with its source, or with the reason for which it is assumed."""
+    """A number with its source, or with the reason for an assumption."""
 
     value: float
     source: str
@@ -40,9 +40,9 @@ class Trailer(NamedTuple):
 
 
 def cited(source: str) -> Callable[..., Quantity]:
-    """Return a function that writes down numbers from a source that was seen.
+    """Return a function that cites numbers from a source.
 
-    It takes the number and, where the number does not stand there, how it follows from what does.
+    It takes the number and, if the source does not state it, its derivation.
     """
 
     def write(value: float, derived: str = "") -> Quantity:
@@ -52,7 +52,7 @@ def cited(source: str) -> Callable[..., Quantity]:
 
 
 def assumed(value: float, reason: str) -> Quantity:
-    """Write down a number without a source, and why it is plausible."""
+    """Return a number without a source, and the reason for it."""
     return Quantity(value, "", reason)
 
 
@@ -62,14 +62,14 @@ def combine(
     """Return a vehicle, with the origins of its numbers.
 
     Args:
-        name: in the catalogue.
-        title: for readers.
-        truck: its numbers.
-        trailers: theirs, from front to rear.
-        limits: those of ``Combination``, from ``speed_max`` on.
+        name: name in the catalogue.
+        title: name for readers.
+        truck: numbers of the truck.
+        trailers: numbers of the trailers, from front to rear.
+        limits: limits of ``Combination``, from ``speed_max`` on.
 
     Raises:
-        ValueError: when a number is out of its range, or a hitch amplifies swings.
+        ValueError: if a number is out of its range, or a hitch amplifies swings.
     """
     widest = max(trailer.articulation_max.value for trailer in trailers)
     values = {field: found.value for field, found in truck._asdict().items()}

@@ -1,8 +1,8 @@
-"""This module reads vehicles that are written down in JSON (``vehicle.schema.json`` has the form).
+"""This module reads vehicles in JSON (``vehicle.schema.json`` is their schema).
 
-A unit's ``hitch`` there is where the next unit is hitched behind it, as one measures a vehicle.
-Numbers that a file leaves out are assumed: bodies of no width that end at the axle, or at the hitch
-behind it, and the limits of a loaded truck.
+In JSON, a unit's ``hitch`` is the distance from its axle back to the hitch of the next unit, as one
+measures a vehicle. Numbers that a file leaves out are assumed: bodies without width that end at the
+axle, or at the hitch behind it, and the limits of a loaded truck.
 """
 
 import functools
@@ -31,15 +31,15 @@ def vehicle_schema() -> dict[str, Any]:
 
 
 def read_combination(name: str, written: Any, source: str = "a JSON file") -> Combination:
-    """Return a vehicle that is written down.
+    """Return a vehicle from JSON.
 
     Args:
-        name: of the vehicle.
-        written: what JSON has made of it.
-        source: where it stands, for the origins of its numbers.
+        name: name of the vehicle.
+        written: parsed JSON.
+        source: source, for the origins of its numbers.
 
     Raises:
-        ValueError: naming the entry, its value and what is allowed.
+        ValueError: if an entry is wrong; the message names its value and the rule.
     """
     check_document(vehicle_schema(), written, name)
     cite = cited(source)
@@ -79,7 +79,7 @@ def read_combination(name: str, written: Any, source: str = "a JSON file") -> Co
 
 
 def _to_hitch(unit: dict[str, Any]) -> Quantity:
-    """Return how far a body reaches behind its axle that a file does not state: to its hitch."""
+    """Return the default reach of a body behind its axle: to its hitch."""
     return assumed(max(0.0, float(unit.get("hitch", 0.0))), "left out in the file: to the hitch")
 
 
@@ -87,8 +87,8 @@ def load_combination(path: str | os.PathLike[str]) -> Combination:
     """Read a vehicle from a JSON file; its name is that of the file without the suffix.
 
     Raises:
-        ValueError: when the file has no such vehicle, naming file and entry.
-        OSError: when it cannot be read.
+        ValueError: if the file has no such vehicle; the message names file and entry.
+        OSError: if the system cannot read it.
     """
     file = pathlib.PurePath(path)
     return read_json(

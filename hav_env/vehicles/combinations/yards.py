@@ -1,4 +1,4 @@
-"""This module has trains of yards, aprons, halls and farms: short tractors with many trailers."""
+"""This module defines trains of yards, aprons, halls and farms: tractors with many trailers."""
 
 import math
 from collections.abc import Callable

@@ -1,1 +1,1 @@
-"""This package has what HAVs have to do with obstacles: collisions, nearest points, rays."""
+"""This package has the interaction of HAVs with obstacles: collisions, nearest points, rays."""

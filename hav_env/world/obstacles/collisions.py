@@ -1,13 +1,13 @@
-"""This module finds out which HAVs collide with obstacles, and when.
+"""This module detects collisions of HAVs with obstacles, and their times.
 
-A segment is tested exactly when a HAV may have reached it, and not before. The exact test finds the
-gap between a segment and the bodies of a HAV. From then on the simulator adds up by how much the
-points of the HAV have moved at most. The segment is not due again until the sum exceeds the gap.
+A segment is tested exactly when a HAV may have reached it, and not earlier. The exact test finds
+the gap between a segment and the bodies of a HAV. From then on, the simulator sums upper bounds on
+the movement of the HAV's points. The segment is due again when the sum exceeds the gap.
 
-The most that a point has moved in a step is measured, not derived from a model of the kinematics.
-A body is rigid: it moves by an affine map, and its points on the line between two ends move no
-farther than the farther of both. A point e beyond that line moves at most e times the length of
-the difference of both directions farther. So the rule holds for every vehicle and integrator.
+The bound for a step is measured, not derived from a model of the kinematics. A body is rigid and
+moves by an affine map. Its points on the line between two ends move no farther than the farther of
+both ends. A point at distance e beyond that line moves at most e times the length of the difference
+of both directions farther. The rule therefore holds for every vehicle and integrator.
 """
 
 import math
@@ -36,14 +36,14 @@ from hav_env.world.rectangle_bodies import body_of, margin_of
 from hav_env.world.task import records
 from hav_env.world.units.joints import unit_spans
 
-_ROUNDING = 1e-6  # [m], more than rounding makes of gaps as far out as coordinates may be
-_OF_SUM = 1e-12  # of what has been driven: its rounding, added up
-_FAR = 0.5  # of the reach: so far off, the distance to the truck says enough
+_ROUNDING = 1e-6  # [m], more than the rounding error of gaps at the largest coordinates
+_OF_SUM = 1e-12  # share of the driven distance: its accumulated rounding error
+_FAR = 0.5  # share of the reach: from this distance on, the distance to the truck suffices
 
 
 @generic
 def note_posture(place, world, agent):
-    """Write down how a HAV stands before it moves, in every lane of a block."""
+    """Record the posture of a HAV before it moves, in every lane of a block."""
 
 
 @note_posture.register(Plane)
@@ -66,12 +66,12 @@ def _note_directions(place, world, agent):
 
 @generic
 def record_obstacle_collisions(place, task, world, agent):
-    """Record the first collision of a HAV with a segment, in every lane, once it has moved.
+    """Record the first collision of a HAV with a segment, in every lane, after its move.
 
-    ``note_posture`` comes before the move, ``add_motion`` after it.
+    Call ``note_posture`` before the move and ``add_motion`` after it.
 
     Returns:
-        How many HAVs collided for the first time.
+        Number of HAVs that collided for the first time.
     """
 
 
@@ -112,7 +112,7 @@ def _begin_anew(place, task, world, agent):
 
 @generic
 def find_margin(place, world, agent, lane):
-    """Find how far bodies of a HAV reach from the lines between their ends, at most."""
+    """Find the largest distance that bodies of a HAV reach from the lines between their ends."""
 
 
 @find_margin.register(Plane)
@@ -130,7 +130,7 @@ def _find_margin_of_all(place, world, agent, lane):
 
 @generic
 def add_motion(place, world, agent):
-    """Add up by how much the points of a HAV have moved at most; see the module's docstring."""
+    """Sum the upper bounds on the movement of a HAV's points; see the module's docstring."""
 
 
 @add_motion.register(Plane)
@@ -169,7 +169,7 @@ def _add_most_of_all(place, world, agent):
 
 @kernel
 def _turned(place, state, agent, unit, lane):
-    """Return by how much the direction of a unit has changed: the difference of unit vectors."""
+    """Return the change of a unit's direction: the length of the difference of unit vectors."""
     return (
         state.cosine[agent, unit, lane] - place.cosine[unit, lane],
         state.sine[agent, unit, lane] - place.sine[unit, lane],
@@ -178,7 +178,7 @@ def _turned(place, state, agent, unit, lane):
 
 @rare_kernel
 def _test_lanes(place, task, world, agent):
-    """Test the segments that are due, in every lane; return how many HAVs collided."""
+    """Test the segments that are due, in every lane; return the number of HAVs that collided."""
     first, news = world.record.first, 0
     for lane in range(world.lanes):
         if not place.driven[agent, MOST_MOVED, lane] >= place.driven[agent, NEXT_DUE, lane]:
@@ -198,7 +198,7 @@ def _test_lanes(place, task, world, agent):
 def _test_segments(place, world, agent, lane):
     """Test the segments that are due; return the first that a HAV collides with, or NEVER.
 
-    Where a scenario put a HAV on a segment, the segment stays due until the first step.
+    If a scenario placed a HAV on a segment, the segment stays due until the first step.
     """
     begun = world.state.clock[STEP, lane] > 0
     driven, due = place.driven[agent, MOST_MOVED, lane], place.due[world.first + lane, agent]
@@ -218,9 +218,9 @@ def _test_segments(place, world, agent, lane):
 def gap_to_segment(world, agent, segment, lane):
     """Return a gap between a segment and the bodies of a HAV [m], at most their distance.
 
-    It is above zero if and only if they have no point in common. Bodies that cannot be nearer than
-    another one are passed over: they are farther from the segment than their middles less their
-    half lengths and widths.
+    It is above zero if and only if they have no point in common. The kernel skips bodies that
+    cannot be nearer than another one: their distance is at least that of the middles minus half
+    lengths and widths.
     """
     far = _distance(world.state.x[agent, lane], world.state.y[agent, lane], segment)
     reach = reach_of(world.fleet.bodies, world.fleet, agent, lane)
@@ -239,7 +239,7 @@ def gap_to_segment(world, agent, segment, lane):
 
 @kernel
 def _distance(x, y, segment):
-    """Return the distance [m] of a place from a segment."""
+    """Return the distance [m] of a position from a segment."""
     middle_x, middle_y, cosine, sine, half, _ = segment
     along, across = into_frame(x - middle_x, y - middle_y, cosine, sine)
     beyond = along - clip(along, -half, half)

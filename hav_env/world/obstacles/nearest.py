@@ -10,7 +10,7 @@ from hav_env.world.place.segments import Obstacles, Plane, num_segments, segment
 
 @generic
 def nearest_to(place, number, x, y, lane):
-    """Return where a segment is nearest to a place [m], as the difference from there in x and y."""
+    """Return the vector from a position to the nearest point of a segment, in x and y [m]."""
 
 
 @nearest_to.register(Plane)
@@ -28,7 +28,7 @@ def _nearest_point(place, number, x, y, lane):
 
 @kernel
 def num_obstacles(world: World, agent: int, lane: int) -> int:
-    """Return how many segments of obstacles there are, near or far."""
+    """Return the number of obstacle segments, at any distance."""
     return num_segments(world.place, lane)
 
 
@@ -36,7 +36,7 @@ def num_obstacles(world: World, agent: int, lane: int) -> int:
 def obstacle_point(world: World, agent: int, k: int, lane: int) -> tuple[float, float]:
     """Return the point of segment ``k`` that is nearest to the truck: forward [m], left [m].
 
-    It is nearest to the truck's rear axle.
+    The distance is measured from the truck's rear axle.
     """
     state = world.state
     x, y = state.x[agent, lane], state.y[agent, lane]

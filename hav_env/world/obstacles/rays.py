@@ -1,4 +1,4 @@
-"""This module casts rays from a HAV's truck: how far it is to obstacles and to other HAVs.
+"""This module casts rays from a HAV's truck: distances to obstacles and to other HAVs.
 
 A ray begins at the truck's rear axle and passes through the HAV's own bodies.
 """
@@ -12,14 +12,14 @@ from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.place.segments import Obstacles, Plane, segment_of
 from hav_env.world.rectangle_bodies import body_of
 
-_TINY = 1e-30  # keeps quotients finite where a ray is parallel to a side
-_PARALLEL = 1e-6  # [rad], about, between a ray and a segment that it may run along
-_THIN = 1e-10  # [m], so thick is what is seen from an end
+_TINY = 1e-30  # keeps quotients finite for a ray parallel to a side
+_PARALLEL = 1e-6  # [rad], approximate largest angle between a ray and a segment along it
+_THIN = 1e-10  # [m], width of a segment or line seen from its end
 
 
 @kernel
 def ahead_of(first, last):
-    """Return the least length of at least 0 between two [m], inf where there is none."""
+    """Return the smallest length of at least 0 between two lengths [m], inf if there is none."""
     inside = max(first, 0.0)
     return inside if inside <= last else math.inf
 
@@ -28,15 +28,15 @@ def ahead_of(first, last):
 def to_segment(cosine, sine, x, y, half_x, half_y):
     """Return the length of a ray from the origin to a segment [m], inf if they do not meet.
 
-    Of a segment on the ray it is the length to the nearer end.
+    For a segment on the ray, it is the length to the nearer end.
 
     Args:
-        cosine: of the direction of the line.
-        sine: likewise.
-        x: of the middle of the segment [m].
-        y: likewise [m].
-        half_x: from the middle to one end [m].
-        half_y: likewise [m].
+        cosine: Cosine of the direction of the line.
+        sine: Sine of the direction of the line.
+        x: x of the middle of the segment [m].
+        y: y of the middle of the segment [m].
+        half_x: x from the middle to one end [m].
+        half_y: y from the middle to one end [m].
     """
     turn = cosine * half_y - sine * half_x
     aside = x * sine - y * cosine
@@ -51,19 +51,19 @@ def to_segment(cosine, sine, x, y, half_x, half_y):
 
 @kernel
 def to_rectangle(cosine, sine, x, y, along_cosine, along_sine, half, width):
-    """Return between which lengths a line through the origin is in a rectangle [m].
+    """Return between which lengths a line through the origin is inside a rectangle [m].
 
-    Where it never is, the first is the larger one.
+    If it never is, the first length is the larger one.
 
     Args:
-        cosine: of the direction of the line.
-        sine: likewise.
-        x: of the middle of the rectangle [m].
-        y: likewise [m].
-        along_cosine: of the direction of the rectangle.
-        along_sine: likewise.
-        half: half its length [m].
-        width: half its width [m].
+        cosine: Cosine of the direction of the line.
+        sine: Sine of the direction of the line.
+        x: x of the middle of the rectangle [m].
+        y: y of the middle of the rectangle [m].
+        along_cosine: Cosine of the direction of the rectangle.
+        along_sine: Sine of the direction of the rectangle.
+        half: Half its length [m].
+        width: Half its width [m].
     """
     forward, left = x * along_cosine + y * along_sine, y * along_cosine - x * along_sine
     ahead = cosine * along_cosine + sine * along_sine
@@ -77,9 +77,9 @@ def to_rectangle(cosine, sine, x, y, along_cosine, along_sine, half, width):
 
 @kernel
 def ray(world: World, agent: int, cosine: float, sine: float, most: float, lane: int) -> float:
-    """Return how far obstacles and other HAVs' bodies are in a direction from the truck [m].
+    """Return the distance to obstacles and other HAVs' bodies in a direction from the truck [m].
 
-    Beyond ``most`` [m] it is that. The direction is (1, 0) forward, (0, 1) to the left.
+    It is at most ``most`` [m]. The direction is (1, 0) forward, (0, 1) to the left.
     """
     to_obstacle = _to_obstacles(world.place, world, agent, cosine, sine, lane)
     return min(to_obstacle, _to_havs(world, agent, cosine, sine, most, lane), most)
@@ -87,7 +87,7 @@ def ray(world: World, agent: int, cosine: float, sine: float, most: float, lane:
 
 @generic
 def _to_obstacles(place, world, agent, cosine, sine, lane):
-    """Return how far the nearest obstacle is in a direction of the truck's frame [m], or inf."""
+    """Return the distance [m] of the nearest obstacle in a direction of the truck frame, or inf."""
 
 
 @_to_obstacles.register(Plane)
@@ -106,7 +106,7 @@ def _to_nearest_segment(place, world, agent, cosine, sine, lane):
 
 @kernel
 def seen_segment(place, world, agent, number, lane):
-    """Return a segment as seen from the truck: its middle, and from there to one end [m]."""
+    """Return a segment in the truck's frame: its middle, and the vector to one end [m]."""
     state = world.state
     x, y, cosine, sine, half, _ = segment_of(place, number, lane)
     forward, left = into_truck_frame(
@@ -118,7 +118,7 @@ def seen_segment(place, world, agent, number, lane):
 
 @kernel
 def seen_body(world, agent, other, unit, lane, front_x, front_y):
-    """Return the body of a unit of another HAV as seen from the truck, given its front end [m]."""
+    """Return the body of a unit of another HAV in the truck's frame, given its front end [m]."""
     state = world.state
     x, y, cosine, sine, half, width = body_of(
         world.fleet.bodies, world, other, unit, lane, front_x, front_y
@@ -132,9 +132,9 @@ def seen_body(world, agent, other, unit, lane, front_x, front_y):
 
 @kernel
 def _to_havs(world, agent, cosine, sine, most, lane):
-    """Return how far the nearest other HAV is in a direction of the truck's frame [m], or inf.
+    """Return the distance of the nearest other HAV in a direction of the truck's frame [m], or inf.
 
-    HAVs that are farther away than ``most`` [m] do not count.
+    HAVs that are farther than ``most`` [m] do not count.
     """
     nearest = math.inf
     for other in range(world.state.x.shape[0]):
@@ -149,7 +149,7 @@ def _to_havs(world, agent, cosine, sine, most, lane):
 
 @kernel
 def may_be_within(world, agent, other, most, lane):
-    """Tell whether any point of another HAV may be at most so far from the own rear axle [m]."""
+    """Return whether any point of another HAV may be within a distance of the own rear axle [m]."""
     dx = world.state.x[other, lane] - world.state.x[agent, lane]
     dy = world.state.y[other, lane] - world.state.y[agent, lane]
     within = most + reach_of(world.fleet.bodies, world.fleet, other, lane)

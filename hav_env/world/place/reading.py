@@ -1,4 +1,4 @@
-"""This module reads the obstacles of worlds as an array, whatever place they have."""
+"""This module reads the obstacles of worlds as an array, for every type of place."""
 
 from typing import Any
 
@@ -18,8 +18,8 @@ def segments_in(place: Any, w: int) -> np.ndarray:
     """Return the segments of a world, (S, 4) x and y of one end, x and y of the other [m].
 
     Args:
-        place: of a batch.
-        w: which world.
+        place: Place of a batch.
+        w: Index of the world.
     """
     if not isinstance(place, Obstacles):
         return np.zeros((0, 4))

@@ -1,4 +1,4 @@
-"""This module declares the place of a batch, the part of its worlds that has obstacles.
+"""This module declares the place of a batch: the part of its worlds that has obstacles.
 
 The type of ``world.place`` selects code. ``Plane`` is the paper's: it is empty, holds no arrays and
 costs nothing. N HAVs of a world, U units of a HAV, S segments of a world, W worlds.
@@ -21,45 +21,46 @@ class Plane(NamedTuple):
 class Obstacles(NamedTuple):
     """Segments that HAVs may collide with.
 
-    A segment is tested against a HAV only when the HAV may have reached it: see
+    A segment is tested against a HAV only if the HAV may have reached it: see
     ``hav_env.world.obstacles.collisions``. The world is the first axis of ``due``: the kernel reads
     it row by row, for one HAV of one world.
     """
 
     segment: Array  # (S, 5, W) columns MIDDLE_X .. HALF_LENGTH
-    count: Array  # (W,) how many segments the world has, or OVERFULL; the rest is far away
-    due: Array  # (W, N, S) how far [m] a HAV has to be driven for a segment to be tested anew
+    # (W,) number of segments of the world, or OVERFULL; the other entries are far away
+    count: Array
+    due: Array  # (W, N, S) distance [m] that a HAV has to drive before the segment is tested again
     driven: Array  # (N, 3, W) columns MOST_MOVED .. BODY_MARGIN [m]
-    cosine: Array  # (U, W) scratch: of the units of the HAV at hand, before it moves
-    sine: Array  # (U, W) likewise
+    cosine: Array  # (U, W) scratch: cosines of the units of the HAV at hand before it moves
+    sine: Array  # (U, W) scratch: their sines
     moved: Array  # (6, W) scratch, rows BEFORE_X .. MOST_TURNED
 
 
 MIDDLE_X, MIDDLE_Y, DIRECTION_COSINE, DIRECTION_SINE, HALF_LENGTH = range(5)
-# by how much all points of a HAV have moved at most, added up; the least of all that is due; how
-# far bodies reach from the lines between their ends, at most
+# sum of the upper bounds on the movement of a HAV's points; the least distance of all that are due;
+# the largest distance of bodies from the lines between their ends
 MOST_MOVED, NEXT_DUE, BODY_MARGIN = range(3)
-# where the truck's rear axle was; how far the front end of the unit at hand went; the squares of
-# how far any end went, and of how much any direction changed, at most
+# position of the truck's rear axle before; movement of the front end of the unit at hand; largest
+# squared movement of any end, and largest squared change of any direction
 BEFORE_X, BEFORE_Y, WENT_X, WENT_Y, FARTHEST, MOST_TURNED = range(6)
 _MOTION_ROWS = MOST_TURNED + 1
 NOT_THERE = 1e12  # [m], farther than any HAV drives before the paper's longest episode ends
-OVERFULL = -1  # a segment was put into a world that has no room for it
+OVERFULL = -1  # a scenario put a segment into a world that has no space for it
 
 
 def allocate_place(num_segments: int, shape: tuple[int, int, int], zeros: Callable) -> Any:
-    """Return the arrays of a place: ``Obstacles``, or ``Plane`` where there are no segments.
+    """Return the arrays of a place: ``Obstacles``, or ``Plane`` if there are no segments.
 
     Args:
-        num_segments: S.
+        num_segments: Number of segments S.
         shape: N, U and W.
-        zeros: makes each array from its shape and kind of numbers.
+        zeros: Function that makes each array from its shape and type.
     """
     if num_segments == 0:
         return Plane()
     s, (n, u, w) = num_segments, shape
     segment = zeros((s, 5, w), np.float64)
-    if segment.flags.writeable:  # sizes are asked of what has no memory
+    if segment.flags.writeable:  # size estimates use arrays without memory
         segment[:, [MIDDLE_X, MIDDLE_Y]] = NOT_THERE
         segment[:, DIRECTION_COSINE] = 1.0
     return Obstacles(
@@ -93,9 +94,9 @@ def _obstacles_from(part, first):
 
 @generic
 def place_segment(place, number, lane, ax, ay, bx, by):
-    """Put a segment from a to b [m] into a world, under its number, from 0.
+    """Put a segment from a to b [m] into a world, under its index, from 0.
 
-    A world without room for it does not begin: its scenario must state ``num_segments``.
+    A world without space for it does not begin: its scenario must state ``num_segments``.
     """
 
 
@@ -122,7 +123,7 @@ def _place_one(place, number, lane, ax, ay, bx, by):
 
 @generic
 def clear_place(place, lane):
-    """Take all segments out of a world."""
+    """Remove all segments from a world."""
 
 
 @clear_place.register(Plane)
@@ -144,9 +145,9 @@ def place_site(place, site, lane):
     """Put all segments of a site into a world that has none.
 
     Args:
-        place: of a block of worlds that has room for them.
-        site: with segments (S, 4), x and y of both ends [m].
-        lane: which world.
+        place: Place of a block of worlds with enough space for them.
+        site: Site with segments (S, 4), x and y of both ends [m].
+        lane: Index of the world.
     """
     for number in range(site.segment.shape[0]):
         ax, ay, bx, by = site.segment[number]
@@ -155,7 +156,7 @@ def place_site(place, site, lane):
 
 @generic
 def num_segments(place, lane):
-    """Return how many segments a world has."""
+    """Return the number of segments of a world."""
 
 
 @num_segments.register(Plane)

@@ -1,1 +1,1 @@
-"""This package has the units of HAVs: where they are hitched, what shape their bodies have."""
+"""This package has the units of HAVs: their hitches and the shapes of their bodies."""

@@ -1,9 +1,9 @@
-"""This module has what follows from where trailers are hitched: chains, limits, least radii.
+"""This module derives quantities from the hitches of trailers: chains, limits, least radii.
 
-Each function is picked by the type of ``fleet.joints``, see ``hav_env.world.units.parts``. The
-lines of a HAV follow one another from front to rear. The truck's begins at its front axle, a
-trailer's at its hitch. A line ends at the axle of its unit, or at the unit's own hitch where that
-lies behind.
+The type of ``fleet.joints`` selects each function, see ``hav_env.world.units.parts``. The lines of
+a HAV follow one another from front to rear. The truck's begins at its front axle, a trailer's at
+its hitch. A line ends at the axle of its unit, or at the unit's own hitch if that is behind the
+axle.
 """
 
 from hav_env.compiled import generic
@@ -19,7 +19,7 @@ def hitch_on_axles(joints, agent, lane, limit):
 
 @generic
 def hitch_trailer(joints, agent, unit, lane, offset, limit):
-    """Set how far behind the axle of a unit its trailer is hitched [m], and the unit's own limit.
+    """Set the distance from a unit's axle back to its trailer's hitch [m], and the unit's limit.
 
     The limit is that of the unit's articulation [rad]; the truck has none.
     """
@@ -27,7 +27,7 @@ def hitch_trailer(joints, agent, unit, lane, offset, limit):
 
 @generic
 def hitch_offset(joints, agent, unit, lane):
-    """Return how far behind the axle of a unit its trailer is hitched [m]."""
+    """Return the distance from a unit's axle back to its trailer's hitch [m]."""
 
 
 @generic
@@ -40,15 +40,17 @@ def unit_spans(joints, fleet, agent, unit, lane):
     """Return two lengths from the front end of a unit backwards [m], 0 beyond the HAV's last one.
 
     Returns:
-        How long its line is; how far behind the front end of the unit behind it is.
+        The first is the length of its line; the second is the distance to the front end of the unit
+        behind.
     """
 
 
 @generic
 def least_squared_radius(joints, fleet, agent, lane):
-    """Return the square of R_min [m^2], the radius of the truck's front axle, eq. (rmin).
+    """Return the square of R_min [m^2], the radius of the truck's front axle, eq. (17).
 
-    Off the axles it is that of the tightest circle on which no articulation goes beyond its limit.
+    With off-axle hitches it is that of the tightest circle on which no articulation exceeds its
+    limit.
     """
 
 

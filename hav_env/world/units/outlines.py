@@ -1,6 +1,6 @@
 """This module sets the bodies of units: rectangles as long as the units, with width and overhangs.
 
-Each function is picked by the type of ``fleet.bodies``, see ``hav_env.world.units.parts``.
+The type of ``fleet.bodies`` selects each function, see ``hav_env.world.units.parts``.
 """
 
 import math
@@ -12,17 +12,17 @@ from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Lines, Outlines
 
 @generic
 def shape_as_usual(bodies, agent, lane):
-    """Give all units of a HAV the bodies that the model states, before a fleet gives others."""
+    """Give all units of a HAV the bodies that the model states, before a fleet replaces them."""
 
 
 @generic
 def shape_unit(bodies, agent, unit, lane, half_width, front, rear):
-    """Give a unit a body: half its width, and how far it sticks out in front and behind [m]."""
+    """Give a unit a body: half its width, and its overhangs in front and behind [m]."""
 
 
 @generic
 def find_reach(bodies, fleet, agent, lane):
-    """Find the radius [m] round the truck's rear axle that holds a HAV, whatever its posture."""
+    """Find the radius [m] round the truck's rear axle that holds a HAV in every posture."""
 
 
 @shape_as_usual.register(Lines)
@@ -56,9 +56,9 @@ def _keep_no_reach(bodies, fleet, agent, lane):
 
 @find_reach.register(Outlines)
 def _measure_reach(bodies, fleet, agent, lane):
-    """Add up how far each hitch can be, and take the farthest corner from there.
+    """Sum the largest distances of each hitch, and add the farthest corner from there.
 
-    The truck's front end is its wheelbase ahead of its rear axle, where all distances begin.
+    The truck's front end is its wheelbase ahead of its rear axle, the origin of all distances.
     """
     shape, most, hitch = bodies.shape, 0.0, 0.0
     for unit in range(fleet.num_trailers[agent, lane] + 1):

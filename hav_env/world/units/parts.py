@@ -1,7 +1,7 @@
 """This module declares the parts of a fleet whose type selects code: joints and bodies.
 
-``OnAxles`` and ``Lines`` are the paper's. They hold no arrays, and what they do not have costs
-nothing. N HAVs of a world, U units of a HAV, W worlds, as in ``hav_env.world.arrays``.
+``OnAxles`` and ``Lines`` are the paper's. They hold no arrays, and absent features cost nothing. N
+HAVs of a world, U units of a HAV, W worlds, as in ``hav_env.world.arrays``.
 """
 
 from collections.abc import Callable, Iterator
@@ -19,20 +19,20 @@ class OnAxles(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Scratch: the motion of the unit ahead, while the units of a HAV move one by one."""
+    """Scratch: the motion of the unit ahead, while a kernel moves the units of a HAV one by one."""
 
-    speed: Array  # (W,) of its axle [m/s]
+    speed: Array  # (W,) speed of its axle [m/s]
     yaw_rate: Array  # (W,) [rad/s]
-    cosine: Array  # (W,) of its heading
-    sine: Array  # (W,)
+    cosine: Array  # (W,) cosine of its heading
+    sine: Array  # (W,) sine of its heading
 
 
 class Hitches(NamedTuple):
-    """Every unit has a hitch off its axle, and every joint a limit of its own."""
+    """Every unit has a hitch off its axle, and every joint its own limit."""
 
-    offset: Array  # (N, U, W) how far behind the axle of a unit its trailer is hitched [m]
-    limit: Array  # (N, U, W) the HAV is jackknifed where a trailer's articulation is beyond [rad]
-    ahead: Motion  # when the step begins
+    offset: Array  # (N, U, W) distance from the axle of a unit back to its trailer's hitch [m]
+    limit: Array  # (N, U, W) articulation of a trailer beyond which the HAV is jackknifed [rad]
+    ahead: Motion  # at the beginning of the step
     halfway: Motion  # in the middle of the step
 
 
@@ -48,8 +48,8 @@ class Outlines(NamedTuple):
     usual: Any  # the model: bodies of HAVs whose fleet states none
 
 
-# half of the width; how far the body goes ahead of the front end, which is the truck's front axle
-# or the trailer's hitch; how far it goes behind the axle
+# half of the width; overhang ahead of the front end, which is the truck's front axle or the
+# trailer's hitch; overhang behind the axle
 HALF_WIDTH, FRONT, REAR = range(3)
 
 
@@ -57,9 +57,9 @@ def allocate_joints(hitched: bool, shape: tuple[int, int, int], zeros: Callable)
     """Return the arrays of joints: ``Hitches`` or none.
 
     Args:
-        hitched: whether hitches may lie off the axles.
+        hitched: Whether hitches may lie off the axles.
         shape: N, U and W.
-        zeros: makes each array from its shape and kind of numbers.
+        zeros: Function that makes each array from its shape and type.
     """
     if not hitched:
         return OnAxles()
@@ -71,9 +71,9 @@ def allocate_bodies(bodies: Any, shape: tuple[int, int, int], zeros: Callable) -
     """Return the arrays of bodies: ``Outlines``, or none for ``Lines``.
 
     Args:
-        bodies: the model.
+        bodies: Model of the bodies.
         shape: N, U and W.
-        zeros: makes each array from its shape and kind of numbers.
+        zeros: Function that makes each array from its shape and type.
     """
     if isinstance(bodies, Lines):
         return bodies

@@ -1,4 +1,4 @@
-"""This module reads hitches, limits and bodies of worlds as arrays, whatever a fleet has."""
+"""This module reads hitches, limits and bodies of worlds as arrays, for every type of fleet."""
 
 from typing import Any
 
@@ -8,11 +8,11 @@ from hav_env.world.units.parts import Hitches, Outlines
 
 
 def offsets_in(fleet: Any, w: Any) -> np.ndarray:
-    """Return how far behind the axle of each unit its trailer is hitched, (N, U) [m].
+    """Return the distance from the axle of each unit back to its trailer's hitch, (N, U) [m].
 
     Args:
-        fleet: of a batch.
-        w: which world, or a slice of worlds, which are the last axis then.
+        fleet: Fleet of a batch.
+        w: Index of the world, or a slice of worlds, which are then the last axis.
     """
     if isinstance(fleet.joints, Hitches):
         return fleet.joints.offset[..., w].copy()
@@ -25,9 +25,9 @@ def limits_in(fleet: Any, w: Any, usual: np.ndarray) -> np.ndarray:
     The truck has none there: its entry is void.
 
     Args:
-        fleet: of a batch.
-        w: which world.
-        usual: (N,) limits of the HAVs [rad], which count where joints have none of their own.
+        fleet: Fleet of a batch.
+        w: Index of the world.
+        usual: (N,) limits of the HAVs [rad], used if joints have none of their own.
     """
     if isinstance(fleet.joints, Hitches):
         return fleet.joints.limit[..., w].copy()

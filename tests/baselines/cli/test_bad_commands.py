@@ -1,4 +1,4 @@
-"""What cannot be followed is one line on stderr and code 2, before anything is made."""
+"""Invalid commands print one line on stderr and exit with code 2 before they make any file."""
 
 import pathlib
 
@@ -41,6 +41,7 @@ BASELINES = [
     *each(EVALUATE, "--output", ["file", "file/below"]),
     *each(["reproduce"], "--output", ["file", "file/below"]),
     *each(["evaluate"], "--scenario", ["", "paper-pair"]),
+    ["evaluate", "random", "--scenario", "docks-6", "--output", "new"],
     ["evaluate", ""],
     ["evaluate", ":"],
     ["evaluate", "random", "\x1b[2J"],

@@ -1,4 +1,4 @@
-"""The commands: what they write, that they resume, and what they say about bad input."""
+"""The commands: their output, their resumption, and their messages about bad input."""
 
 import json
 import os
@@ -30,14 +30,19 @@ def run(capsys, *arguments):
     return code, captured.out, captured.err
 
 
-def test_evaluate_compares_policies_on_the_same_episodes(tmp_path, capsys):
+@pytest.mark.parametrize(
+    "names",
+    [("avoid_jack", "random"), pytest.param(POLICIES.names(), marks=pytest.mark.exhaustive)],
+    ids=["two", "all"],
+)
+def test_evaluate_compares_policies_on_the_same_episodes(names, tmp_path, capsys):
     code, out, _ = run(
-        capsys, "evaluate", *POLICIES.names(), "--scenario", "paper-pair", "--episodes", 4,
+        capsys, "evaluate", *names, "--scenario", "paper-pair", "--episodes", 4,
         "--output", tmp_path, *SHORT,
     )  # fmt: skip
     assert code == 0
-    assert all(name in out for name in POLICIES.names())
-    tables = [pq.read_table(tmp_path / f"{name}.parquet") for name in POLICIES.names()]
+    assert all(name in out for name in names)
+    tables = [pq.read_table(tmp_path / f"{name}.parquet") for name in names]
     for column in ("episode", "hav", "truck_length", "start_x", "goal_2_heading"):
         assert all(table[column].equals(tables[0][column]) for table in tables)
     assert "actual collision" in (tmp_path / "table.md").read_text()
@@ -156,7 +161,7 @@ def test_a_folder_does_not_mix_runs(tmp_path, capsys):
     assert code == 2
     assert "another seed" in err
     assert run(capsys, *arguments, "--seed", 1, "--overwrite")[0] == 0
-    # what is wrong is said before anything is discarded
+    # the error comes before anything is discarded
     assert run(capsys, *arguments, "--overwrite", "--threads", 0)[0] == 2
     assert pq.read_table(tmp_path / "random.parquet").num_rows == 2
 
@@ -167,7 +172,7 @@ def test_results_without_a_description_are_not_taken_for_ones_own(tmp_path, caps
     (tmp_path / "random.json").unlink()
     code, _, err = run(capsys, *arguments)
     assert code == 2
-    assert "nothing describes" in err
+    assert "results without a description" in err
 
 
 @pytest.mark.parametrize(
@@ -274,3 +279,16 @@ def test_reproduce_writes_tables_report_and_figures_twice_the_same(tmp_path, cap
 
 def test_defaults_are_the_papers():
     assert np.isclose(np.degrees(AvoidJack().beta), 75)
+
+
+def test_tables_come_where_figures_cannot(tmp_path, capsys, monkeypatch):
+    for name in [name for name in sys.modules if name.startswith("baselines.figures")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    code, out, err = run(
+        capsys, "reproduce", "--experiments", 1, "--output", tmp_path, "--task.max-steps", 10
+    )
+    assert code == 0
+    assert "86.76 %" in out
+    assert "they need matplotlib: run pip install -e '.[plots]' in the clone" in err
+    assert "## Figures" not in (tmp_path / "report.md").read_text()

@@ -1,4 +1,4 @@
-"""The commands take a policy in a file by its name; what does not fit is one line."""
+"""The commands take a policy in a file by its name; an unfit policy prints one line."""
 
 import pathlib
 
@@ -50,7 +50,7 @@ def test_watch_shows_a_file(path, tmp_path, capsys):
 
 
 def test_reproduce_takes_a_policy_that_is_blind_to_others(path, tmp_path, capsys):
-    # who was not trained hits no goals: episodes would take their full time
+    # an untrained network hits no goals: episodes would take their full time
     code, out, err = run(
         capsys, "reproduce", "--policy", path, "--experiments", budget(4, 2),
         "--output", tmp_path / "results", "--task.max-steps", budget(2_000, 10),
@@ -99,8 +99,9 @@ def text(path):
         (
             ["evaluate", "nobody"],
             None,
-            "known: avoid_jack, dubins_pursuit, ppo_beginner, ppo_pair, ppo_single, random",
+            "known: avoid_jack, context, dubins_pursuit, ppo_beginner, ppo_guided, ppo_pair",
         ),
+        (["evaluate", "reserve", "--backup", "reserve"], None, "which broadcasts, but must not"),
     ],
 )
 def test_bad_input_is_one_line_and_an_exit_code(arguments, write, message, path, tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""Names are shown as they are, whatever they look like, and never act on what shows them."""
+"""Names are shown unchanged, whatever they contain, and never act on the program around them."""
 
 import io
 import re
@@ -44,7 +44,7 @@ def test_a_table_in_markdown_keeps_its_cells(name):
     assert len(lines) == 3
     cells = [re.split(r"(?<!\\)(?:\\\\)*\|", line)[1:-1] for line in (lines[0], lines[2])]
     assert [len(row) for row in cells] == [3, 3]
-    # as CommonMark reads them: a backslash makes the next sign stand for itself
+    # as CommonMark reads them: a backslash makes the next sign literal
     told = [re.sub(r"\\([!-/:-@\[-`{-~])", r"\1", cell.strip()) for row in cells for cell in row]
     assert told == ["", visible(name), "c", visible(name), "1.0 [0.5, 1.5] *", "x_y"]
     for cell in cells[0]:

@@ -1,1 +1,1 @@
-"""This package tests evaluations that are kept on disk."""
+"""This package tests evaluations that are stored on disk."""

@@ -1,4 +1,4 @@
-"""Where episodes are run: names, addresses, and what is said without Ray."""
+"""The place where episodes run: names, addresses, and the message without Ray."""
 
 import importlib.util
 import socket
@@ -46,12 +46,12 @@ def test_without_ray_it_is_said_how_to_get_it(monkeypatch, capsys):
         raise ImportError(f"No module named {name!r}")
 
     monkeypatch.setattr(cluster.importlib, "import_module", missing)
-    with pytest.raises(ImportError, match=r"pip install 'hav_env\[ray\]'"):
+    with pytest.raises(ImportError, match=r"run pip install -e '\.\[ray\]' in the clone"):
         load_ray()
     monkeypatch.undo()
     if importlib.util.find_spec("ray") is None:
         assert main(["evaluate", "random", "--engine", "ray"]) == 2
-        assert "pip install 'hav_env[ray]'" in capsys.readouterr().err
+        assert "run pip install -e '.[ray]' in the clone" in capsys.readouterr().err
 
 
 def test_the_local_engine_runs_part_after_part():

@@ -1,4 +1,4 @@
-"""What is damaged on disk is made again or refused; runs keep out of each other."""
+"""Damaged data on disk are made again or refused; runs keep out of each other."""
 
 import errno
 import json
@@ -14,9 +14,12 @@ import pytest
 from baselines.evaluation import run_parts as parts
 from baselines.evaluation import runs as results
 from baselines.evaluation.runs import Experiments, run_experiments, spans_of
+from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.random import Random
 from baselines.storage.locks import sole_user
-from hav_env import RandomPoses, Task
+from hav_env import OffAxle, RandomPoses, Task, rollout
+from hav_env.guidance import Lattice
+from tests.guidance.yards import yard
 from tests.support.budgets import budget
 
 JOB = Experiments(Random(), RandomPoses(), 9, 5, Task(max_steps=budget(20, 3)))
@@ -47,7 +50,7 @@ def stages(tmp_path_factory):
 
 
 def damages(content: bytes, seed: int):
-    """Give a file's content with one bit flipped, with one byte changed, and cut anywhere."""
+    """Yield a file's content with one bit flipped, with one byte changed, and cut anywhere."""
     generator = np.random.default_rng(seed)
     for place in generator.integers(len(content), size=FLIPS):
         damaged = bytearray(content)
@@ -89,7 +92,7 @@ def test_no_damage_is_passed_on(what, stages, tmp_path, caplog):
                 assert str(path) in caplog.messages[0]
         shutil.rmtree(folder)
     assert mended + refused == number + 1
-    # a description decides what is run: one that tells of something else is not overwritten
+    # a description decides what runs: one of another run is not overwritten
     assert refused == 0 or what == "a.json"
 
 
@@ -197,7 +200,7 @@ def test_a_second_run_is_told_of_the_first(overwrite, stages, tmp_path):
     assert entered.wait(100)
     with pytest.raises(BlockingIOError, match="another run works in"):
         run_experiments(JOB, folder, "a", overwrite=overwrite)
-    first.kill()  # leaves the lock's file, and nobody who holds it
+    first.kill()  # leaves the lock file, and no process that holds it
     first.join()
     assert (folder / ".lock").exists()
     run_experiments(JOB, folder, "a")
@@ -228,3 +231,12 @@ def test_spans_cover_all_episodes_once_and_are_made_as_they_are_needed():
 def test_rows_are_those_of_the_episodes(stages):
     table = pq.read_table(stages[0] / "a.parquet")
     assert table["episode"].to_pylist() == list(range(9))
+
+
+@pytest.mark.exhaustive
+def test_the_guidance_of_a_run_guides_its_havs(tmp_path):
+    task, guidance = Task(max_steps=budget(400, 10)), Lattice(headings=24, clearance=4.0)
+    job = Experiments(AvoidJack(), yard(), 1, 0, task, OffAxle(), guidance)
+    table = pq.read_table(run_experiments(job, tmp_path, "a"))
+    models = job.policy, job.scenario, 0, [0], task, job.vehicle
+    assert table.equals(rollout(*models, guidance=guidance))

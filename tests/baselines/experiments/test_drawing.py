@@ -82,7 +82,7 @@ def test_an_interrupt_ends_the_drawing_and_the_same_command_goes_on(
         assert run(tmp_path) == 130
     left = files(tmp_path)
     whole = {name for name in left if name.endswith((".png", ".svg"))}
-    assert whole == {"jackknife_weight.png", "jackknife_weight.svg"}  # what was under way
+    assert whole == {"jackknife_weight.png", "jackknife_weight.svg"}  # the figure under way
     assert all(left[name] == finished[name] for name in whole)
     assert not any(name.startswith(".") for name in set(left) - {".lock"})
     assert run(tmp_path) == 0

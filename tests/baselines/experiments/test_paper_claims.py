@@ -1,4 +1,4 @@
-"""What the paper says in words, counted in states one by one."""
+"""Claims of the paper in words, counted in states one by one."""
 
 import math
 
@@ -16,7 +16,7 @@ TASK = Task(distance_tolerance=3.0, heading_tolerance=0.7, max_steps=budget(6_00
 
 @pytest.fixture(scope="module")
 def recorded():
-    """Return crowded episodes with wide tolerances, in which close misses are many."""
+    """Return crowded episodes with wide tolerances, in which there are many close misses."""
     crowd = RandomPoses(num_havs=3, area_factor=1.2)
     return [record_trajectory(WARY, crowd, 5, episode, TASK) for episode in range(3)]
 

@@ -1,4 +1,4 @@
-"""How near measured figures come to the published ones, against formulas written out."""
+"""The distance of measured figures from the published ones, against formulas written out."""
 
 import math
 
@@ -59,7 +59,7 @@ def test_deviations_are_those_of_two_shares_with_experiments_as_units():
 
 
 def test_the_sentence_on_few_trailers_is_a_probability():
-    """The more of those counted are short HAVs, the less likely is none of 95."""
+    """The more of the counted HAVs are short, the less likely is none of 95."""
     pair = table_of(4_500, 2, jackknifed=np.arange(9_000) < 100)
     short = np.where(np.arange(9_000) < 10, 3, 5)
     place = pair.column_names.index("num_trailers")

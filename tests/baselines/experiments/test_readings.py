@@ -1,4 +1,4 @@
-"""Readings of the paper by name: the text is the default; the others are what they say."""
+"""Readings of the paper by name: the text is the default; the others match their descriptions."""
 
 import math
 

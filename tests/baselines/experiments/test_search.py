@@ -1,4 +1,4 @@
-"""The search for readings: what goes on from round to round, seeds apart, and resuming."""
+"""The search for readings: selection from round to round, separate seeds, and resuming."""
 
 import functools
 import itertools
@@ -7,6 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from baselines.__main__ import main
+from baselines.commands import calibrate
 from baselines.experiments import search as searching
 from baselines.experiments import search_report
 from baselines.experiments.published import PAPER_SIZES
@@ -91,7 +92,7 @@ def test_an_interrupted_search_goes_on_where_it_stopped(small, tmp_path, monkeyp
     assert search(9, tmp_path / "broken", plan=PLAN) == whole
     first = len(runs)
     assert search(9, tmp_path / "broken", plan=PLAN) == whole
-    assert len(runs) == first  # all is known
+    assert len(runs) == first  # all measurements are stored
     tables = [tmp_path / name / "search.parquet" for name in ("whole", "broken")]
     assert tables[0].read_bytes() == tables[1].read_bytes()
     with pytest.raises(ValueError, match="has another seed"):
@@ -105,7 +106,7 @@ def test_the_field_is_what_the_choices_span():
     assert len(pairs) == len({reading.name for reading in pairs}) == 2 * 2 * (3 + 3 * 2) * 2
     assert {reading.fleet for reading in pairs} == {singles[0].fleet}
     assert len({(*reading.policy, *reading.task) for reading in pairs}) == len(pairs)
-    assert TEXT.task == Task()  # nothing of it was written to
+    assert TEXT.task == Task()  # nothing wrote into it
 
 
 def test_the_number_of_experiments_is_known_before(small, tmp_path, monkeypatch):
@@ -133,7 +134,7 @@ class _Counted:
 
 def test_the_command_shows_readings_by_number_and_their_words(small, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(search_report, "_RECORDED", 2)
-    monkeypatch.setattr(searching, "search", functools.partial(search, plan=PLAN))
+    monkeypatch.setattr(calibrate, "search", functools.partial(search, plan=PLAN))
     assert main(["calibrate", "--search", "--seed", "9", "--output", str(tmp_path)]) == 0
     told = capsys.readouterr().out
     names = pq.read_table(tmp_path / "search.parquet")["reading"].to_pylist()

@@ -1,4 +1,4 @@
-"""The survey: what is counted apart, shortest times, its table, and what it refuses."""
+"""The survey: separate counts, shortest times, its table, and the inputs that it rejects."""
 
 import math
 
@@ -21,7 +21,7 @@ CROWD = RandomPoses(num_havs=6, area_factor=1.5, fleet=RandomFleet(max_trailers=
 
 @pytest.fixture(scope="module")
 def crowd():
-    """Give a table of worlds so crowded that goals and starts are in each other's way."""
+    """Return a table of worlds so crowded that goals and starts are in each other's way."""
     return rollout(AvoidJack(), CROWD, 3, np.arange(budget(40, 12)), task=Task(max_steps=2))
 
 
@@ -62,7 +62,7 @@ def test_the_shortest_time_straight_ahead_is_the_distance_over_the_speed():
 
 
 def test_shortest_times_are_for_the_radii_that_are_said(crowd):
-    """Back to where one is, turned round: a path that is as long as its radius, 7 pi / 3 of it."""
+    """Back to the start, turned round: a path that is as long as its radius, 7 pi / 3 of it."""
     steep, stable = shortest_times(crowd, CROWD.fleet)
     truck = crowd["truck_length"].to_numpy()
     trailers = [math.hypot(*lengths) for lengths in crowd["trailer_lengths"].to_pylist()]
@@ -82,7 +82,7 @@ def test_shortest_times_are_for_the_radii_that_are_said(crowd):
 
 def test_what_is_apart_is_not_counted(crowd):
     apart = goals_crossing(crowd, 6) | starts_touching(crowd, 6)
-    found = look_at(crowd, CROWD.fleet)
+    found = look_at(crowd, CROWD.fleet, 2)
     assert found.apart == apart.sum()
     assert found.size == 6 * (~apart).sum()
     told = crowd["actual_collision"].to_numpy(zero_copy_only=False).reshape(-1, 6)
@@ -92,7 +92,7 @@ def test_what_is_apart_is_not_counted(crowd):
 def test_tables_tell_of_obstacles_where_there_are_some(crowd):
     shown = np.arange(crowd.num_rows) % 4 == 0
     among = crowd.append_column("obstacle_collision", pa.array(shown))
-    found = [look_at(table, CROWD.fleet) for table in (crowd, among)]
+    found = [look_at(table, CROWD.fleet, 2) for table in (crowd, among)]
     head, plane, walls = rows_of([("a", "b", found[0]), ("c", "d", found[1])])
     place = head.index("hit an obstacle")
     kept = ~np.repeat(goals_crossing(crowd, 6) | starts_touching(crowd, 6), 6)
@@ -102,25 +102,39 @@ def test_tables_tell_of_obstacles_where_there_are_some(crowd):
     assert len({len(row) for row in (head, plane, walls)}) == 1
 
 
+def test_who_never_arrives_counts_at_the_cap_and_the_interval_is_of_worlds(crowd):
+    """All episodes end after two steps, so no HAV arrives."""
+    kept = ~(goals_crossing(crowd, 6) | starts_touching(crowd, 6))
+    _, stable = shortest_times(crowd, CROWD.fleet)
+    shortest = stable[0].reshape(-1, 6).sum(1)[kept]
+    found = look_at(crowd, CROWD.fleet, 2)
+    assert found.time.value == pytest.approx(6 * 2 * kept.sum() / shortest.sum())
+    assert found.time.size == kept.sum()
+    assert found.time.low < found.time.value < found.time.high
+    cell = rows_of([("a", "b", found)])[1][-2]
+    assert cell == f"{found.time.value:.3f} [{found.time.low:.3f}, {found.time.high:.3f}]"
+
+
+@pytest.mark.exhaustive
 def test_reserve_is_in_time():
     table = rollout(
         *(Reserve(), find_scenario("paper-single"), 31, np.arange(budget(40, 1))),
         task=Task(max_steps=budget(20_000, 60)),
     )
-    found = look_at(table, find_scenario("paper-single").fleet)
+    found = look_at(table, find_scenario("paper-single").fleet, 20_000)
     assert found.harmed[0].value == 0
     if budget(1, 0):
         assert [(hit.value, hit.size) for hit in found.hits] == [(1.0, 40), (1.0, 40)]
-        assert 1.0 <= found.steep < 1.15
+        assert 1.0 <= found.time.low < found.time.value < 1.15
 
 
 def test_the_table_and_going_on(tmp_path, capsys):
     words = ["--scenarios", "paper-single", "dense-2", "--policies", "random", "--share", "0.0002",
-             "--output", str(tmp_path), "--threads", "1"]  # fmt: skip
+             "--output", str(tmp_path), "--threads", "1", "--format", "md"]  # fmt: skip
     assert main(words) == 0
     first = capsys.readouterr().out
-    assert first.splitlines()[2].startswith("| paper-single | random | 1 | 0.00 %")
-    assert first.splitlines()[3].startswith("| dense-2 | random | 2 |")
+    assert first.splitlines()[4].startswith("| paper-single | random | 1 | 0.00 %")
+    assert first.splitlines()[5].startswith("| dense-2 | random | 2 |")
     table = (tmp_path / "dense-2-random.parquet").stat()
     assert main(words) == 0
     assert capsys.readouterr().out == first
@@ -130,7 +144,7 @@ def test_the_table_and_going_on(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--scenarios", "swarm-3"], "error: scenarios has 'swarm-3', which is none of paper-s"),
+        (["--scenarios", "swarm-3"], "error: scenarios has 'swarm-3' (did you mean 'swarm-"),
         (["--share", "1.5"], "error: share is 1.5, but must be above 0 and at most 1"),
         (["--policies", "nobody"], "error: unknown policy 'nobody'"),
         (["--seed", "-1", "--scenarios", "dense-5", "--share", "0.01"], "error: seed is -1"),

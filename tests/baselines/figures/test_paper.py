@@ -1,4 +1,4 @@
-"""The histograms of the paper's figures: what they count."""
+"""The histograms of the paper's figures count the right HAVs."""
 
 import numpy as np
 import pytest

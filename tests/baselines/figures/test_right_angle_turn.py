@@ -29,7 +29,7 @@ def turn(request):
 
 
 def way_of_front_axle(turn, beyond=200.0):
-    """Return the way of the front axle as a polyline."""
+    """Return the path of the front axle as a polyline."""
     bearing = np.linspace(0.0, turn.angle, 2001)
     arc = turn.radius * np.stack([np.sin(bearing), 1.0 - np.cos(bearing)], axis=-1)
     onward = arc[-1] + beyond * np.array([math.cos(turn.angle), math.sin(turn.angle)])

@@ -1,4 +1,4 @@
-"""The figures of docs/safety.md: what is drawn is where it is, and the command that draws it."""
+"""The figures of docs/safety.md: drawn elements are at their places, and the command draws them."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ ROUNDING = 1e-9  # [m]
 
 @pytest.fixture(scope="module")
 def episode():
-    """Return a trajectory, what its HAVs remember, and the poses (T, N, 3) of their trucks."""
+    """Return a trajectory, the memory of its HAVs, and the poses (T, N, 3) of their trucks."""
     scenario, task = RandomPoses(num_havs=2, num_goals=1), Task(max_steps=budget(1200, 15))
     trajectory = record_trajectory(Reserve(), scenario, 2026, 25, task)
     memories = remember(Reserve(), scenario, 2026, 25, task)
@@ -32,6 +32,7 @@ def polygon(memories, poses, state, hav):
     return None if corners is None else shapely.Polygon(corners).buffer(ROUNDING)
 
 
+@pytest.mark.exhaustive
 def test_outlines_hold_the_chain_and_the_circle(episode):
     trajectory, memories, poses = episode
     outlines = circles = 0
@@ -49,6 +50,21 @@ def test_outlines_hold_the_chain_and_the_circle(episode):
     assert outlines > len(poses)
     assert circles > 0
     assert budget(circles < outlines, True)  # the rest to a goal has none
+
+
+@pytest.mark.exhaustive
+def test_a_recorded_episode_has_the_same_outlines(episode):
+    trajectory, memories, poses = episode
+    shown = 0
+    for state, hav in np.ndindex(poses.shape[:2]):
+        number = trajectory.reserved[state, hav]
+        corners = reserved_corners(memories[state, hav], *poses[state, hav])
+        assert (corners is None) == (number < 0) or trajectory.waiting[state, hav]
+        if number >= 0:
+            shown += 1
+            np.testing.assert_allclose(trajectory.outline[number], corners, atol=2e-3)
+    assert shown > len(poses)
+    assert len(trajectory.outline) < shown
 
 
 def test_what_both_hold_is_disjoint(episode):

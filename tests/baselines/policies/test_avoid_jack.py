@@ -212,13 +212,13 @@ def test_evasion_ends_at_the_release_distance(release, keep_first):
     memory, ends, evades = allocate_memory(policy, 2, 1), release * 15.0, False
     for distance in (ends - 1e-6, 14.0, ends - 1e-6, ends + 1e-6, ends - 1e-6):
         steering = choice(scene(HAV, to_the_left(distance)), policy, memory)[1]
-        # beyond the start at 15 m, only who has begun goes on
+        # beyond the start at 15 m, only a HAV that has begun continues
         evades = distance <= 15.0 or (evades and distance <= ends)
         assert (steering < 0.0) == (memory[0, 0, 0] == 2.0) == evades
 
 
 def evaded(distances, policy, memory):
-    """Return which of several HAVs on the left HAV 0 evades."""
+    """Return the index of the HAV on the left that HAV 0 evades."""
     others = [([3.0, 6.0], 0.1 * k, distance, 0.0) for k, distance in enumerate(distances)]
     choice(scene(HAV, *others), policy, memory)
     return int(memory[0, 0, 0]) - 1

@@ -1,4 +1,4 @@
-"""Evasion may start, aim and be cut otherwise: the sum is that of vectors in the plane."""
+"""Evasion may start, aim and be clipped otherwise: the sum is that of vectors in the plane."""
 
 import itertools
 import math
@@ -14,7 +14,7 @@ from tests.support.budgets import budget
 from tests.support.worlds import aim, limit, open_plane, put, stand, wrapped
 
 STEEPEST = math.radians(50.0)
-AHEAD = 1e6  # m, how far the goal is, straight ahead: its attraction is along the truck
+AHEAD = 1e6  # m, distance of the goal, straight ahead: its attraction is along the truck
 CENTERS = [0.0, 0.3, 0.5, 1.0]
 TRUCK_SHARES = [0.0, 0.5, 2.0]
 POLICIES = [
@@ -101,7 +101,7 @@ def decided(policy, worlds):
 
 
 def compare(policy, worlds):
-    """Compare all decisions with the equations; return (N, W) who is evaded."""
+    """Compare all decisions with the equations; return the evaded HAVs (N, W)."""
     steering, found = decided(policy, worlds)
     for w, havs in enumerate(worlds):
         for agent in range(len(havs)):
@@ -155,7 +155,7 @@ def test_evasion_starts_where_these_points_are_this_near(policy):
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("past", [-1e-6, 1e-6])
 def test_the_direction_is_cut_where_the_wheels_cannot_follow(side, past, from_center):
-    """The other is behind, so that away from it is the steering limit, a little more or less."""
+    """The other is behind, so the direction away from it is near the steering limit."""
     policy = AvoidJack(evasion_clipped=True, evasion_center=0.5, evasion_from_center=from_center)
     one = [6.0, 4.0, 5.0], 0.0, 0.0, np.zeros(3)
     share = 0.5 if from_center else 0.0
@@ -204,7 +204,7 @@ def test_who_has_to_turn_back_turns_to_the_nearer_side_or_left(left, side, from_
 
 
 def test_circles_round_the_centres_of_trucks_may_hold_the_whole_havs():
-    """With half of each truck's length in the distance, whose circles touch evade each other."""
+    """With half of each truck in the distance, HAVs whose circles touch evade each other."""
     policy = AvoidJack(evasion_center=0.5, evasion_truck_share=0.5)
     one = [6.0, 4.0], 0.0, 0.0, np.zeros(2)
     for gap in (3.0 + 4.0 + 2.0 + 5.0 - 1e-6, 3.0 + 4.0 + 2.0 + 5.0 + 1e-6):

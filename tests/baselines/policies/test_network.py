@@ -45,7 +45,7 @@ def torch_layers(inputs, hidden, seed):
 
 
 def by_torch(layers, values):
-    """Return what PyTorch makes of rows (W, D), in the precision of its layers."""
+    """Return PyTorch's outputs for rows (W, D), in the precision of its layers."""
     values = torch.as_tensor(values, dtype=torch.float32)
     with torch.no_grad():
         for layer in layers[:-1]:
@@ -53,7 +53,7 @@ def by_torch(layers, values):
         return layers[-1](values).numpy().astype(float)
 
 
-# what it works out
+# outputs
 
 
 @pytest.mark.parametrize("hidden", SHAPES, ids=str)
@@ -136,7 +136,7 @@ def test_actions_are_shares_of_the_limits_and_cut(faster, turned, speed, steerin
     assert to_command(faster, turned, 3.0, 0.8) == pytest.approx((speed, steering), abs=1e-15)
 
 
-# what cannot be
+# invalid networks
 
 
 def sizes(*numbers):
@@ -144,7 +144,7 @@ def sizes(*numbers):
 
 
 PAIR, SINGLE = RandomPoses(2), RandomPoses()
-COLUMNS = 52  # of a HAV with up to ten trailers that sees nobody
+COLUMNS = 52  # of a HAV with up to ten trailers that observes no neighbour
 
 
 @pytest.mark.parametrize(
@@ -224,6 +224,7 @@ def test_what_is_exported_says_what_it_was_trained_on(vehicle):
     assert policy.rectangles == (vehicle == OffAxle(bodies=Rectangles()))
 
 
+@pytest.mark.exhaustive
 def test_a_network_that_does_not_observe_its_motion_drives_instant_trucks_alone():
     policy, limited = random_network(), OnAxle(actuators=Limited())
     check_policy(policy, SINGLE, vehicle=OnAxle())

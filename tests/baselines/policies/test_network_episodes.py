@@ -1,4 +1,4 @@
-"""Episodes of a network are those in which it was trained, whatever runs it."""
+"""Episodes of a network equal those of its training, whatever runs them."""
 
 import os
 import subprocess
@@ -25,7 +25,7 @@ TOTALS = ("goals_hit", "steps", "path_length", "largest_articulation", "jackknif
 
 
 def seen_in(scenario):
-    """Return how many neighbours there are to be seen."""
+    """Return the number of neighbours to observe."""
     return min(find_scenario(scenario).num_havs - 1, 4)
 
 
@@ -56,7 +56,7 @@ def test_an_episode_goes_as_in_the_environment(scenario, seed, frame_skip):
     expected = by_environment(policy, scenario, seed, task)
     # the environment rounds rows to single precision
     assert by_rollout(policy, scenario, seed, task) == pytest.approx(expected, rel=1e-6, abs=1e-6)
-    assert len(set(expected[:, 2])) == len(expected)  # they drive, each its own way
+    assert len(set(expected[:, 2])) == len(expected)  # every HAV drives its own path
 
 
 @pytest.mark.parametrize("scenario", ["paper-single", "paper-pair", "crossing-8", "column-5"])
@@ -72,7 +72,7 @@ def test_whole_episodes_with_goals_and_waiting_go_as_in_the_environment(scenario
 @pytest.mark.parametrize("scenario", ["paper-single", "paper-pair", "crossing-8"])
 @pytest.mark.parametrize("seed", range(budget(4, 1)))
 def test_held_actions_lead_to_the_states_of_the_environment_until_somebody_waits(scenario, seed):
-    """The environment asks for an action of who waits, the network acts on with its last one."""
+    """The environment requires actions of waiting HAVs; the network continues with its last."""
     policy = pursuing_network(seen_in(scenario), frame_skip=5)
     found = record_trajectory(policy, find_scenario(scenario), seed, 0, EASY)
     waits = found.waiting.any(axis=1) | (found.step == found.step[-1])
@@ -112,12 +112,12 @@ def test_who_waits_goes_on_with_the_action_from_before_until_the_next_is_due():
     assert (np.diff(commands, axis=1)[:, held[:, None] & goes_on] == 0.0).all()
 
 
-# wherever it runs
+# any place of execution
 
 
 @pytest.mark.parametrize("num_havs", [2, 10])
 def test_a_table_is_the_same_for_threads_batches_and_any_episodes(num_havs):
-    """A policy that was trained in pairs drives swarms of any size: it sees the nearest."""
+    """A policy trained in pairs drives swarms of any size: it observes the nearest HAVs."""
     policy, task = random_network(4, (8, 5), 1), Task(max_steps=budget(200, 6))
     scenario, episodes = RandomPoses(num_havs), np.arange(budget(40, 9))
 
@@ -226,4 +226,4 @@ def test_what_is_recorded_is_what_a_rollout_says():
         driven = np.hypot(*np.diff([trajectory.x[:, hav], trajectory.y[:, hav]], axis=1)).sum()
         assert row["steps"] == trajectory.step[-1] == STEPS
         assert driven == pytest.approx(row["path_length"], rel=1e-3)
-    assert (trajectory.evaded == -1).all()  # it does not say whom it evades
+    assert (trajectory.evaded == -1).all()  # it does not report the evaded HAV

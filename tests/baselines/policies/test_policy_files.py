@@ -1,4 +1,4 @@
-"""A policy in a file acts as it did; what is no such file is named, and nothing is half written."""
+"""A policy file acts as the saved policy; invalid files are named; none is partly written."""
 
 import pathlib
 
@@ -45,8 +45,8 @@ def test_a_policy_is_the_same_again(fields, chains, tmp_path):
     """Weights of single precision are kept exactly, and with them every action."""
     policy = random_network(3, **fields, chains=chains)
     save_policy(policy, tmp_path / "chance.policy", ABOUT)
-    loaded, about = load_trained(tmp_path / "chance.policy")
-    assert about == ABOUT
+    loaded, about, safety = load_trained(tmp_path / "chance.policy")
+    assert (about, safety) == (ABOUT, None)
     for field, value in policy._asdict().items():
         again = getattr(loaded, field)
         assert type(again) is type(value), field
@@ -85,7 +85,7 @@ def test_a_driver_takes_a_file_by_its_name(path):
     assert np.array_equal(found, PolicyDriver(random_network(), batch).decide())
 
 
-# files that are none
+# invalid files
 
 
 def test_every_cut_and_every_flipped_byte_is_noticed(path):
@@ -100,11 +100,11 @@ def test_every_cut_and_every_flipped_byte_is_noticed(path):
             changed = bytes([whole[place] ^ flipped])
             broken.write_bytes(whole[:place] + changed + whole[place + 1 :])
             try:
-                again, about = load_trained(broken)
+                again, about, _ = load_trained(broken)
             except ValueError as error:
                 assert "broken.policy is no policy file, or a broken one: " in str(error)  # noqa: PT017
                 continue
-            # a byte that only tools for archives read may change unnoticed, a number may not
+            # a byte that only archive tools read may change unnoticed, a number may not
             assert repr(again) == repr(policy)
             assert again.weights.tobytes() == policy.weights.tobytes()
             assert about == ABOUT
@@ -162,7 +162,7 @@ def test_contents_that_are_not_of_this_version_are_named(changes, message, path)
 
 
 def without_a_column(policy, path, names):
-    """Write a policy as one that has never known some columns, and all others backwards.
+    """Write a policy as one that has never known some columns, and all others in reverse order.
 
     Returns the file, and the same policy with weights of zero for these columns.
     """
@@ -191,7 +191,7 @@ def test_columns_are_found_by_name_wherever_they_stand(lost, tmp_path):
     assert input_names(loaded) == tuple(n for n in input_names(policy)[::-1] if n not in lost)
     batch.reset(0)
     found = PolicyDriver(loaded, batch).decide()
-    # sums of products are taken in another order
+    # sums of products have another order
     assert np.array(found) == pytest.approx(np.array(PolicyDriver(same, batch).decide()), abs=1e-12)
 
 
@@ -224,7 +224,7 @@ def test_there_is_never_half_a_file(path, monkeypatch):
         patch.setattr(policy_files.np, "savez_compressed", fail)
         with pytest.raises(OSError, match="no space left"):
             save_policy(random_network(1), path, {})
-    with pytest.raises(TypeError):  # what JSON does not know
+    with pytest.raises(TypeError):  # a type that JSON does not know
         save_policy(random_network(1), path, {"about": object()})
     assert path.read_bytes() == whole
     assert [file.name for file in path.parent.iterdir()] == ["chance.policy"]

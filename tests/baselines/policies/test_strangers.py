@@ -1,4 +1,4 @@
-"""Policy and trajectory files from strangers: refused in a second, in one line, without memory."""
+"""Untrusted policy and trajectory files are rejected in a second, in one line, without memory."""
 
 import json
 import os
@@ -11,7 +11,7 @@ import pytest
 
 from baselines.policies.dubins_pursuit import DubinsPursuit
 from baselines.policies.files import load_trained, save_policy
-from baselines.policies.network import LARGEST_WEIGHT, WIDEST_LAYER, check_network
+from baselines.policies.network_checks import LARGEST_WEIGHT, WIDEST_LAYER, check_network
 from baselines.replay.trajectory import record_trajectory
 from baselines.replay.trajectory_files import load_trajectory, save_trajectory
 from hav_env import RandomPoses, Task
@@ -29,7 +29,7 @@ def arrays_in(path):
 
 
 def opened(folder):
-    """Open all files of a folder in a process of its own; return what it said and how long."""
+    """Open all files of a folder in a separate process; return its output and its duration."""
     done = subprocess.run(
         [sys.executable, "-m", "tests.support.strangers", str(folder)],
         capture_output=True,
@@ -96,7 +96,7 @@ def layouts(arrays):
 
 
 def shapes_and_types(arrays):
-    """Yield arrays with every member replaced by what it cannot be."""
+    """Yield arrays with every member replaced by an invalid one."""
     for name in arrays:
         for shape in HUGE:
             yield {name: head(shape) + bytes(64)}

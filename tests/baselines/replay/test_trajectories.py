@@ -1,4 +1,4 @@
-"""An episode recorded is the episode that was rolled out."""
+"""A recorded episode equals the rollout of the same episode."""
 
 import numpy as np
 import pytest
@@ -82,7 +82,7 @@ def test_decisions_of_a_state_lead_to_the_next_one(order):
         assert closest == table["goal_1_closest"][hav].as_py() or hit  # the hit ends the phase
     distance = np.hypot(np.diff(kept.x, axis=1), np.diff(kept.y, axis=1))[:-1, 0]
     wide = kept.footprint.sum() + kept.length[:, 0].sum()
-    apart = np.abs(distance - wide) > 1.0  # in turn, HAV 1 decides nearer by what HAV 0 drove
+    apart = np.abs(distance - wide) > 1.0  # in turn, HAV 1 decides after the movement of HAV 0
     for hav in range(2):
         evades = (kept.evaded[:-1, hav] >= 0) & ~kept.waiting[:-1, hav]
         decides = ~kept.waiting[:-1, hav] & apart
@@ -99,7 +99,7 @@ def test_chunks_do_not_show(monkeypatch):
 
 @pytest.mark.parametrize("vehicle", [OnAxle(), OnAxle(actuators=Limited(0.3, 0.1, 0.1))])
 def test_the_recorded_motion_is_what_was_driven(vehicle):
-    """Whatever was decided, these speeds and angles move the truck; a HAV at its goal may roll."""
+    """For any decision, these speeds and angles move the truck; a HAV at its goal may roll."""
     task = TASK._replace(max_steps=budget(4_000, 300))
     kept = record_trajectory(AvoidJack(), SCENARIO, 4, 5, task, vehicle)
     table = rollout(AvoidJack(), SCENARIO, 4, np.array([5]), task, vehicle)
@@ -123,8 +123,9 @@ def test_the_papers_hitches_are_on_the_axles_and_its_bodies_lines(trajectory):
 
 
 @pytest.mark.parametrize("name", ["baggage-train", "a-double"])
+@pytest.mark.exhaustive
 def test_hitches_and_bodies_are_recorded_and_move_together(name):
-    vehicle, kind = OffAxle(bodies=Rectangles()), catalogue(name)
+    vehicle, kind = OffAxle(bodies=Rectangles(), actuators=Limited()), catalogue(name)
     scenario = RandomPoses(fleet=catalogue_fleet(kind))
     kept = record_trajectory(AvoidJack(), scenario, 4, 7, Task(max_steps=40), vehicle)
     units, states = len(kind.units), len(kept.step)

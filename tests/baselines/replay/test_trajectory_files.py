@@ -1,4 +1,4 @@
-"""A recorded episode: what it holds, that files keep all of it, and what it looks like between."""
+"""A recorded episode: its contents, files that store all of it, and interpolated states."""
 
 import contextlib
 import zipfile
@@ -32,7 +32,7 @@ def test_the_events_are_those_of_the_rollout():
         assert np.array_equal(found.first[:, event, WHEN], np.nan_to_num(steps, nan=NEVER))
     hits = table["goal_1_hit"].to_numpy(zero_copy_only=False).astype(bool)
     assert np.array_equal(found.hit_step[:, 0] != NEVER, hits)
-    for event in (POTENTIAL, ACTUAL):  # who collides collides with somebody else
+    for event in (POTENTIAL, ACTUAL):  # a HAV that collides, collides with another one
         happened = found.first[:, event, WHEN] != NEVER
         partner = found.first[:, event, WHERE]
         assert np.array_equal(partner != NEVER, happened)
@@ -94,7 +94,7 @@ def test_every_cut_and_every_flipped_byte_is_noticed(trajectory, tmp_path):
             load_trajectory(path)
     for place in range(0, len(whole), len(whole) // 150):
         path.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
-        # a byte that only tools for archives read may change unnoticed, a number may not
+        # a byte that only archive tools read may change unnoticed, a number may not
         with contextlib.suppress(ValueError):
             again = load_trajectory(path)
             assert again.x.tobytes() == thin.x.tobytes()
@@ -108,6 +108,9 @@ def test_every_cut_and_every_flipped_byte_is_noticed(trajectory, tmp_path):
         ({"version": 2}, "version 2"),
         ({"x": np.zeros((3, 2))}, "'x' is float64 of shape"),
         ({"x": np.array(["a"])}, "'x' is <U1"),
+        ({"reserved": np.zeros((401, 2), np.int64)}, "an outline that there is not"),
+        ({"outline": np.zeros((1, 23, 2))}, "'outline' is float64 of shape"),
+        ({"max_steps": 399}, "a limit of time that has passed"),
         ({"dt": 0.0}, "duration"),
         ({"dt": np.nan}, "duration"),
         ({"seed": 0.5}, "'seed' is float64"),
@@ -126,7 +129,7 @@ def test_every_cut_and_every_flipped_byte_is_noticed(trajectory, tmp_path):
 )
 def test_contents_that_no_episode_has_are_named(changes, message, trajectory, tmp_path):
     path = tmp_path / "odd.npz"
-    fields = {"kind": "hav_env trajectory", "version": 4, **packed(trajectory), **changes}
+    fields = {"kind": "hav_env trajectory", "version": 5, **packed(trajectory), **changes}
     np.savez_compressed(path, **fields)
     with pytest.raises(ValueError, match=message):
         load_trajectory(path)
@@ -138,7 +141,7 @@ def test_a_foreign_archive_and_a_missing_field_are_named(trajectory, tmp_path):
         archive.writestr("letter.txt", "hello")
     with pytest.raises(ValueError, match="another kind"):
         load_trajectory(path)
-    fields = {"kind": "hav_env trajectory", "version": 4, **packed(trajectory)}
+    fields = {"kind": "hav_env trajectory", "version": 5, **packed(trajectory)}
     del fields["evaded"]
     np.savez(path, **fields)
     with pytest.raises(ValueError, match="'evaded' is missing"):

@@ -1,4 +1,4 @@
-"""The page is given what it shows: where the axles are, what happened; in little room."""
+"""The page receives the data that it shows: axles and events, in little space."""
 
 import base64
 import json
@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from baselines.policies.avoid_jack import AvoidJack
+from baselines.replay.interpolation import scene_at
 from baselines.replay.trajectory import chain_points, record_trajectory
 from baselines.replay.web_page import template, write_replay
 from hav_env import OffAxle, RandomPoses, Rectangles, Task, catalogue_fleet
 from hav_env.vehicles import catalogue
 from hav_env.world.event_table import EVENTS
+from tests.support.recorded import driven_into_wall
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +30,7 @@ def told(trajectory, tmp_path_factory):
 
 
 def told_by(path) -> dict:
-    """Return what a page was told of its episode."""
+    """Return the data of the episode in a page."""
     found = re.search(r'id="episode">(.*?)</script>', path.read_text(), re.DOTALL)
     return json.loads(found[1])
 
@@ -65,6 +67,26 @@ def test_the_page_knows_hitches_limits_and_bodies(told, tmp_path):
     assert told["shapes"] is None
     assert not any(any(own) for own in told["hitchOffsets"])
     assert {limit for own in told["articulationMax"] for limit in own[1:]} == {np.pi / 2}
+
+
+def test_the_page_knows_what_is_reserved_and_when_time_is_up(tmp_path):
+    walls = driven_into_wall()
+    angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    round_one = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    outlines = np.array([round_one, 9.0 * round_one + 40.0, 2.0 * round_one - 7.0])
+    reserved = walls.reserved.copy()
+    reserved[10:, 0], reserved[40:, 1] = 1, 2  # outline 0 is in no shown state
+    write_replay(walls._replace(outline=outlines, reserved=reserved), tmp_path / "page.html")
+    data = told_by(tmp_path / "page.html")
+    corners = data["outlineUnit"] * numbers(data["outlines"], "<i2").reshape(-1, 24, 2)
+    np.testing.assert_allclose(corners + data["origin"], outlines[1:], atol=0.01)
+    found = numbers(data["reserved"], "<i4").reshape(reserved.shape)
+    assert np.array_equal(found, np.where(reserved < 0, -1, reserved - 1))
+    assert data["maxSteps"] == 100
+    scene = scene_at(walls._replace(outline=outlines, reserved=reserved), 20 * walls.dt)
+    np.testing.assert_array_equal(scene.reserved[0], outlines[1])
+    assert np.isnan(scene.reserved[1]).all()
+    assert scene_at(walls, 0.0).reserved is None
 
 
 def test_states_take_few_bytes(trajectory, told):

@@ -1,4 +1,4 @@
-"""Reserve with less to go by: what holds without order, without broadcast, and with noise."""
+"""Ablations of Reserve: its properties without order, without broadcast, and with noise."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ EPISODES, STEPS = range(budget(8, 1)), budget(1500, 4)
 
 
 def test_all_may_decide_at_once_when_they_reserve_in_turns():
-    """Nobody knows what another one decides in the same step: each acts on the memory before."""
+    """No HAV knows another one's decision of the same step: each acts on the memory before."""
     batch = Batch(CROWD, len(EPISODES))
     batch.reset(21)
     driver, audit = PolicyDriver(Reserve(turns=5), batch), Audit(batch.worlds)
@@ -28,7 +28,7 @@ def test_all_may_decide_at_once_when_they_reserve_in_turns():
         actions = np.zeros((2, 5, len(EPISODES)))
         for hav in havs:
             driver.memory[:] = before
-            waiting[havs != hav] = True  # is not asked
+            waiting[havs != hav] = True  # does not act
             decided = driver.decide()
             waiting[:] = resting
             after[hav] = driver.memory[hav]
@@ -44,17 +44,17 @@ def test_all_may_decide_at_once_when_they_reserve_in_turns():
     "policy",
     [
         Reserve(broadcast=False),
-        Reserve(position_noise=0.5, heading_noise=0.05),
+        pytest.param(Reserve(position_noise=0.5, heading_noise=0.05), marks=pytest.mark.exhaustive),
         Reserve(turns=5, position_noise=0.2),
     ],
 )
 def test_no_variant_jackknifes_or_collides(policy):
     audit = drive(CROWD, 22, EPISODES, STEPS, policy=policy)
     audit.approve()
-    assert audit.worlds.state.waiting.mean() >= budget(1, 0) * 0.3
+    assert audit.worlds.state.waiting.mean() >= budget(1, 0) * 0.2
 
 
-@pytest.mark.parametrize("sensing_range", [0.5, 5.0])
+@pytest.mark.parametrize("sensing_range", [0.5, pytest.param(5.0, marks=pytest.mark.exhaustive)])
 def test_less_range_costs_no_safety(sensing_range):
     drive(CROWD, 23, EPISODES, STEPS, task=Task(sensing_range=sensing_range)).approve()
 
@@ -73,8 +73,8 @@ def test_a_table_of_all_variants(tmp_path, monkeypatch, capsys):
     ]
     monkeypatch.setattr(variants, "VARIANTS", short)
     monkeypatch.setattr(variants, "ENTRIES", (Entry("paper-pair", 2),))
-    assert variants.main(["--output", str(tmp_path), "--share", "0.5"]) == 0
-    rows = capsys.readouterr().out.strip().splitlines()
+    assert variants.main(["--output", str(tmp_path), "--share", "0.5", "--format", "md"]) == 0
+    rows = capsys.readouterr().out.strip().splitlines()[2:]
     assert len(rows) == 2 + len(short) == len((tmp_path / "report.md").read_text().splitlines())
     assert all(
         f"| paper-pair | {one.name} |" in row for one, row in zip(short, rows[2:], strict=True)
@@ -94,7 +94,7 @@ def test_nobody_decides_by_what_others_keep_to_themselves():
         for told in (before[others, private], np.nan):
             driver.memory[:] = before
             driver.memory[others, private] = told
-            waiting[others] = True  # are not asked
+            waiting[others] = True  # do not act
             results.append([*driver.decide(), driver.memory[3].copy()])
             waiting[:] = resting
         for one, other in zip(*results, strict=True):

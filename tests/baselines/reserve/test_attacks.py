@@ -1,8 +1,8 @@
-"""Attacks on what Reserve promises: random fleets, rules and densities, and HAVs that misbehave.
+"""Attacks on Reserve's guarantees: random fleets, rules and densities, and HAVs that misbehave.
 
-Part of the contract: a HAV may stand at any time, for as long as it likes, and one that tells
-nothing may stand anywhere. Not part of it: to drive otherwise than Reserve would. Against that only
-the promise that nobody jackknifes holds.
+The contract allows a HAV to stand at any time and for any duration. A HAV without broadcast may
+stand anywhere. It does not allow a HAV to drive otherwise than Reserve would. Against that, only
+the guarantee without jackknifes holds.
 """
 
 import math
@@ -51,10 +51,10 @@ more_range = st.one_of(st.floats(1e-6, 3.0), st.floats(0.0, 200.0))
 
 
 class Stops:
-    """Lets HAVs stand for a while, again and again, and some for ever, whatever they decided."""
+    """Lets HAVs stand for a while, again and again, and some without end, whatever they decided."""
 
     def __init__(self, seed, often, long, never_start=0.0):
-        """Take how often HAVs stop, for how long, and the share that never starts."""
+        """Take the frequency and the duration of stops, and the share of HAVs that never start."""
         self.random = np.random.default_rng(seed)
         self.often, self.long, self.never_start = often, long, never_start
         self.left = None
@@ -70,7 +70,7 @@ class Stops:
 
 
 class Others:
-    """Drives the HAVs from a number on, in place of Reserve; they tell nothing."""
+    """Drives the HAVs from an index on, in place of Reserve, without broadcast."""
 
     def __init__(self, first, fastest=0.0, seed=0):
         """Take the number of the first of them and their largest speed [m/s]."""
@@ -85,7 +85,7 @@ class Others:
 
 
 def attacked(scenario, seed, dt, extra, interfere=None, steps=None):
-    """Return what the audit saw; whoever is in range is so before two could meet in one step."""
+    """Return the findings of the audit; HAVs are in range before two could meet in one step."""
     task = Task(dt=dt, sensing_range=2.0 * scenario.fleet.speed_max * dt + extra)
     steps = budget(300, 3) if steps is None else steps
     try:

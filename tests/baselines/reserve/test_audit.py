@@ -1,4 +1,4 @@
-"""The audit measures what Shapely measures, and catches those who jackknife or collide."""
+"""The audit measures what Shapely measures, and detects HAVs that jackknife or collide."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Between the steps: what chains sweep there is covered by what Reserve looks at and reserves."""
+"""Between the steps, the area swept by chains is covered by Reserve's tests and reservations."""
 
 import math
 
@@ -92,7 +92,7 @@ bends = st.floats(math.radians(-89.0), math.radians(89.0))
     st.floats(0.05, 1.1),
 )
 def test_rolling_wheels_stay_near_the_ways_of_a_step(units, share, turn, steering_max):
-    """The lemma of docs/safety.md: links stay in the hull of a step's ways, widened by the sag."""
+    """The lemma of docs/safety.md: links stay in the hull of a step's paths, widened by the sag."""
     length = np.array([size for size, _ in units])
     heading = np.cumsum([bend for _, bend in units])
     step, steering = share * length.min(), turn * steering_max

@@ -1,4 +1,4 @@
-"""Examples that once broke what Reserve promises."""
+"""Examples that once violated Reserve's guarantees."""
 
 import math
 
@@ -8,7 +8,7 @@ import pytest
 from baselines.policies.reserve import Reserve
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import states
-from baselines.policies.reserve.multi_agent import _recheck_reservation
+from baselines.policies.reserve.renewal import recheck_reservation
 from hav_env import Batch, RandomFleet, RandomPoses, Task, explicit
 from hav_env.policies.driver import PolicyDriver
 from tests.baselines.reserve.test_attacks import Others, Stops
@@ -18,15 +18,19 @@ from tests.support.budgets import budget
 STEEP = math.radians(50.0)
 
 
-@pytest.mark.parametrize("num_havs", [1, 2, 5])
+@pytest.mark.parametrize(
+    "num_havs", [2, *(pytest.param(havs, marks=pytest.mark.exhaustive) for havs in (1, 5))]
+)
 def test_who_stood_against_its_own_command_takes_the_step_back(num_havs):
-    """It took the step for driven, steered too tightly afterwards, and was heard elsewhere."""
+    """The HAV counted the step as driven, steered too tightly, and broadcast a wrong frame."""
     scenario = RandomPoses(num_havs=num_havs, area_factor=2.0)
     stops = Stops(1, often=0.02, long=60)
     drive(scenario, 11, range(budget(20, 1)), budget(800, 2), interfere=stops).approve()
 
 
-@pytest.mark.parametrize("x", [25.2, 25.3, 25.4])
+@pytest.mark.parametrize(
+    "x", [25.3, *(pytest.param(x, marks=pytest.mark.exhaustive) for x in (25.2, 25.4))]
+)
 def test_an_old_acquaintance_is_a_newcomer(x):
     """HAV 0 knew the other one in the first phase, and had it in range again one step too late."""
     scenario = explicit(
@@ -51,22 +55,25 @@ def ring(tip):
     return explicit(lengths, start, goals, steering_max=STEEP)
 
 
-@pytest.mark.parametrize("tip", [2.6, 2.9])
+@pytest.mark.parametrize("tip", [2.6, pytest.param(2.9, marks=pytest.mark.exhaustive)])
 def test_a_circle_is_not_periodic_after_two_rounds(tip):
-    """The trailer closed in on the circle's centre for many rounds, and hit one who stood there."""
+    """The trailer closed in on the circle's centre for many rounds, and hit a standing HAV."""
     drive(ring(tip), 1, [0], budget(2000, 1), interfere=Others(1)).approve()
 
 
-@pytest.mark.parametrize("degrees", [75.0, 45.0, 20.0])
+@pytest.mark.parametrize(
+    "degrees",
+    [20.0, *(pytest.param(bound, marks=pytest.mark.exhaustive) for bound in (75.0, 45.0))],
+)
 def test_joints_with_less_freedom_need_wider_circles(degrees):
-    """The circle to drive on for ever was as tight as joints of 90 degrees allow."""
+    """The circle to drive on without end was as tight as joints of 90 degrees allow."""
     fleet = RandomFleet(articulation_max=math.radians(degrees))
     scenario = RandomPoses(num_havs=3, area_factor=2.0, fleet=fleet)
     drive(scenario, 3, range(budget(16, 1)), budget(800, 2)).approve()
 
 
 def test_nothing_is_reserved_anew_where_not_everybody_had_a_slot():
-    """When somebody came near, the new outline was compared with those in the slots only."""
+    """When another HAV came near, the new outline was compared with those in the slots only."""
     batch = Batch(RandomPoses(num_havs=2), 1)
     batch.reset(0)
     driver = PolicyDriver(Reserve(), batch)
@@ -76,7 +83,7 @@ def test_nothing_is_reserved_anew_where_not_everybody_had_a_slot():
     assert rows[m.MODE] == states.RESERVED
     rows[m.NUM_SLOTS], rows[m.NEWCOMERS], rows[m.COVERED_RADIUS] = 0.0, 1.0, 10.0
     assert rows[m.OUTLINE_RADIUS] > 10.0
-    _recheck_reservation(Reserve(), rows)
+    recheck_reservation(Reserve(), rows)
     assert rows[m.HELD] == 0.0
 
 

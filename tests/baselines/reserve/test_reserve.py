@@ -1,4 +1,4 @@
-"""Reserve neither jackknifes nor collides: every step is looked at by an audit of its own."""
+"""Reserve neither jackknifes nor collides: an independent audit checks every step."""
 
 import math
 from typing import NamedTuple
@@ -68,7 +68,7 @@ def test_parts_of_other_classes_are_other_parts():
     """Tuples without fields are equal, whatever their classes."""
 
     class Coasting(NamedTuple):
-        """Actuators of somebody else."""
+        """Actuators of another class."""
 
     assert OnAxle(actuators=Coasting()) == OnAxle()
     check_predicted(OnAxle())
@@ -117,7 +117,7 @@ def test_what_leaves_no_part_or_no_margin_is_refused(policy, said):
     [(90.0, 0.6, 1, 1.99), (90.0, 0.6, 1, 2.0), (120.0, 0.6, 1, 1.4), (160.0, 0.6, 1, 0.7)],
 )
 def test_no_joint_folds_through_within_one_step(limit, longest, trailers, share):
-    """Cosines did not tell that an articulation had jumped across the forbidden ones."""
+    """Cosines did not show that an articulation had jumped across the forbidden ones."""
     fleet = RandomFleet(
         **{"max_trailers": trailers, "min_length": 0.5, "max_length": longest},
         **{"short_truck_mean": 0.55, "long_truck_mean": 0.6, "speed_max": share * 0.5 / 0.2},
@@ -151,6 +151,6 @@ def test_round_a_hav_that_its_learner_leaves_standing_the_others_arrive():
         audit.look()
         over = terminated or truncated
     audit.approve()
-    assert not process._driver.memory[0].any()  # it tells nothing
+    assert not process._driver.memory[0].any()  # it does not broadcast
     if COMPILED:
         assert process.batch.worlds.state.waiting[:, 0].tolist() == [False, True, True, True]

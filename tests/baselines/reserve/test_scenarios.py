@@ -1,4 +1,4 @@
-"""Reserve in scenes that look like a deadlock: everybody arrives, and nobody touches anybody."""
+"""Reserve in scenes that look like a deadlock: all HAVs arrive, and none touches another."""
 
 import math
 
@@ -13,7 +13,7 @@ SMALL, LONG = [4.0, 5.0, 5.0], [4.0, 8.0, 8.0, 8.0]
 
 
 def parked(*poses, lengths=(4.0, 8.0)):
-    """Return HAVs whose goal is where they stand, as (lengths, start, goals)."""
+    """Return HAVs whose goals are their start positions, as (lengths, start, goals)."""
     return [(lengths, pose, [pose]) for pose in poses]
 
 

@@ -1,4 +1,4 @@
-"""Side by side, a lone HAV predicts and chooses to the bit what it does one path at a time."""
+"""Predictions of a lone HAV side by side equal, to the bit, those of one path at a time."""
 
 import itertools
 import math
@@ -16,6 +16,7 @@ from baselines.policies.reserve.prediction.trials import advance_trials, measure
 from baselines.policies.reserve.single_agent import plan_alone
 from baselines.policies.reserve.tight_paths import (
     AIMS,
+    LAST_TURN_FACTOR,
     PER_AIM,
     list_shortest,
     write_endings,
@@ -28,6 +29,7 @@ from tests.support.budgets import budget
 
 POLICY = Reserve()
 T = sizes.TRIALS
+ALL = math.inf, 1, sizes.SHORTLIST_SIZE  # candidates of any length, to all aims
 
 
 def lone(seed, far=60.0, bent=0.5, bound=89.0):
@@ -54,7 +56,7 @@ def lone(seed, far=60.0, bent=0.5, bound=89.0):
 
 
 def chain_of(rows, lane):
-    """Return what a lane holds of its trial."""
+    """Return the trial in a lane."""
     kept = m.TRIAL_X, m.TRIAL_Y, m.TRIAL_LEAST
     chain = rows[m.TRIAL_CHAINS : m.TRIAL_CHAINS + 2 * sizes.MAX_UNITS * T].reshape(-1, T)
     units = int(rows[m.OWN_TRAILERS]) + 1
@@ -154,7 +156,7 @@ def all_candidates(rows):
     """Return (length, number) of all candidates whose arcs the chain can follow, sorted."""
     found, tangents = [], PER_AIM - 2 * sizes.TURN_RADII
     for number in range(AIMS * PER_AIM):
-        write_tight_path(POLICY, rows, number)
+        write_tight_path(POLICY, rows, number, m.CURRENT_PATH)
         path = rows[m.CURRENT_PATH : m.CURRENT_PATH + m.LENGTHS + sizes.MAX_SEGMENTS]
         count = int(path[m.NUM_SEGMENTS])
         lengths = path[m.LENGTHS : m.LENGTHS + count]
@@ -180,10 +182,10 @@ def test_the_list_holds_the_shortest_candidates_in_order(seed):
     rows = lone(seed)
     write_radii(rows)
     measure_longest_turns(rows)
-    write_endings(rows)
+    write_endings(rows, LAST_TURN_FACTOR)
     expected, beyond, listed = all_candidates(rows), -1.0, []
     for _ in range(3):
-        count = list_shortest(POLICY, rows, beyond)
+        count = list_shortest(POLICY, rows, beyond, *ALL)
         numbers = rows[m.LISTED_NUMBERS : m.LISTED_NUMBERS + count].astype(int)
         listed += zip(rows[m.LISTED_LENGTHS : m.LISTED_LENGTHS + count], numbers, strict=True)
         beyond = rows[m.LISTED_LENGTHS + count - 1]
@@ -191,7 +193,7 @@ def test_the_list_holds_the_shortest_candidates_in_order(seed):
 
 
 def survives(rows):
-    """Tell whether ``CURRENT_PATH`` survives, step by step of one chain alone."""
+    """Return whether ``CURRENT_PATH`` survives, step by step of one chain alone."""
     goal_x, goal_y, goal_heading = rows[m.OWN_GOAL : m.OWN_GOAL + 3]
     bound, distance = rows[m.OWN_LEAST_COSINE], rows[m.OWN_STEP]
     sense_chain(rows)
@@ -222,13 +224,13 @@ def plan_one_by_one(rows, shortlists):
     """Plan as ``plan_alone`` does, with one candidate after another."""
     write_radii(rows)
     measure_longest_turns(rows)
-    write_endings(rows)
+    write_endings(rows, LAST_TURN_FACTOR)
     beyond = -1.0
     for _ in range(shortlists):
-        count = list_shortest(POLICY, rows, beyond)
+        count = list_shortest(POLICY, rows, beyond, *ALL)
         for k in range(count):
             beyond = rows[m.LISTED_LENGTHS + k]
-            write_tight_path(POLICY, rows, int(rows[m.LISTED_NUMBERS + k]))
+            write_tight_path(POLICY, rows, int(rows[m.LISTED_NUMBERS + k]), m.CURRENT_PATH)
             if survives(rows):
                 return True
         if count < sizes.SHORTLIST_SIZE:
@@ -239,7 +241,7 @@ def plan_one_by_one(rows, shortlists):
 
 @entry
 def plan_rows(first, last, policy, memories, found):
-    """Plan for several HAVs, (H, ROWS), and write who has found a path, (H,)."""
+    """Plan for several HAVs, (H, ROWS), and write which of them found a path, (H,)."""
     for hav in range(first, last):
         found[hav] = plan_alone(policy, memories[hav])
 
@@ -251,6 +253,7 @@ def path_of(rows):
 
 
 @pytest.mark.parametrize(("far", "bound"), [(60.0, 89.0), (15.0, 50.0)])
+@pytest.mark.exhaustive
 def test_the_first_survivor_of_the_list_is_chosen(far, bound):
     havs, shortlists = budget(3, 1), budget(2, 1)
     memories = np.array([lone(seed, far, bound=bound) for seed in range(havs)])

@@ -1,4 +1,4 @@
-"""Files are whole or not there; what killed writers leave is removed, what others write is not."""
+"""Files are complete or absent; leftovers of killed writers are removed, others are kept."""
 
 import multiprocessing
 import os

@@ -1,4 +1,4 @@
-"""HAVs collide with obstacles when Shapely says so, in the same step and at the same segment."""
+"""HAVs collide with obstacles when Shapely finds it, in the same step and at the same segment."""
 
 import functools
 import math
@@ -28,7 +28,13 @@ def driven(batch, steps, rng):
         yield batch.worlds
 
 
-@pytest.mark.parametrize("vehicle", [VEHICLES.make("realistic"), OffAxle(substeps=2)])
+@pytest.mark.parametrize(
+    "vehicle",
+    [
+        VEHICLES.make("realistic"),
+        pytest.param(OffAxle(substeps=2), marks=pytest.mark.exhaustive),
+    ],
+)
 def test_first_collisions_are_those_of_a_brute_force(vehicle):
     batch = Batch(Field(num_havs=2), budget(16, 1), vehicle=vehicle)
     batch.reset(7)
@@ -128,6 +134,7 @@ def test_tables_have_obstacles_only_where_there_are_some():
 
 
 @pytest.mark.skipif(not COMPILED, reason=COMPARED)
+@pytest.mark.exhaustive
 def test_episodes_are_the_same_in_any_lane_and_on_any_thread():
     run = functools.partial(
         rollout, "dubins_pursuit", "field-4", 5, task=Task(max_steps=400), vehicle="realistic"

@@ -1,4 +1,4 @@
-"""Points of obstacles and rays are those that Shapely finds; rows of learners tell the same."""
+"""Points of obstacles and rays are those that Shapely finds; rows of learners match them."""
 
 import math
 

@@ -11,10 +11,10 @@ whole number from 0.0. Modules import this one as ``m`` and write ``rows[m.DRIVE
 from baselines.policies.reserve.memory.sizes import (
     ENDINGS,
     LINK_CORNERS,
+    LONGLIST_SIZE,
     MAX_KNOWN,
     MAX_SEGMENTS,
     MAX_UNITS,
-    SHORTLIST_SIZE,
     SLOT_COUNT,
     TRIALS,
     TURN_RADII,
@@ -80,7 +80,13 @@ NEAR_NUMBERS = _next(MAX_KNOWN)  # numbers of those neighbours
 DOOMED = _next()  # flag: a stationary HAV blocks the path ahead
 REFRESH = _next()  # distance along the path at which the rest is reserved anew [m]
 
-# What the HAV senses of itself.
+# The proposals of another policy, for which Reserve is the backup.
+PROPOSED_GOALS_LEFT = _next()  # count of goals left when proposals for this one began
+LISTENS_FROM = _next()  # step from which the HAV considers proposals
+LISTENS_UNTIL = _next()  # step from which it leaves the way to this goal to Reserve
+REFUSED = _next()  # count of refused proposals on the way to this goal
+
+# The HAV's sensing of itself.
 OWN_NUMBER = _next()  # number of the HAV, from 0.0
 OWN_TRAILERS = _next()  # count of trailers, at most MAX_TRAILERS
 OWN_LENGTHS = _next(MAX_UNITS)  # length of each unit, the truck first [m]
@@ -94,6 +100,7 @@ OWN_FOLD_TURN = _next()  # least change of an articulation that may fold a joint
 OWN_TRUCK_RADIUS = _next()  # radius of the truck's tightest circle, l^0 / tan(phi^max) [m]
 OWN_TRAILER_RADIUS = _next()  # least radius on which the trailers can follow without end [m]
 OWN_CIRCLE_RADIUS = _next()  # radius of the circle that the HAV can drive on without end [m]
+OWN_TIGHT = _next()  # flag: among others, the HAV may turn more tightly than its circle
 OWN_SAG = _next()  # largest distance of an axle from its straight way within a step [m]
 OWN_STRIDE = _next()  # largest distance that a point of the chain moves in a step [m]
 OWN_REAR_RADIUS = _next()  # radius of the truck's rear axle round the circle's centre [m]
@@ -102,7 +109,7 @@ OWN_GOAL = _next(5)  # goal: forward [m], left [m], relative heading [rad], its 
 OWN_GOALS_LEFT = _next()  # count of goals left
 OWN_RANDOM_KEY = _next(3)  # seed, episode and step of the random numbers
 GATHERED = _next()  # flag: the HAV has written the slots in this step
-COVERED_RADIUS = _next()  # radius round the truck's rear axle that nobody without a slot enters [m]
+COVERED_RADIUS = _next()  # radius round the rear axle that no HAV without a slot enters [m]
 NEWCOMERS = _next()  # count of others without a slot that have come near since the last note
 
 # Scratch of a prediction.
@@ -113,9 +120,20 @@ SWEPT_CORNERS = _next(2 * LINK_CORNERS)  # corners of a set that holds a link du
 SAVED_CHAIN = _next(2 * MAX_UNITS)  # copy of PREDICTED_CHAIN
 SAVED_AXLES = _next(2 * (MAX_UNITS + 1))  # copy of AXLES [m]
 
+# Scratch: arcs of tight paths. The turns from a straight chain are measured once: they stay.
+RADII = _next(TURN_RADII)  # radii that the HAV tries, the truck's tightest first [m]
+FIRST_TURNS_LEFT = _next(TURN_RADII)  # longest arc to the left from here [rad]
+FIRST_TURNS_RIGHT = _next(TURN_RADII)  # longest arc to the right from here [rad]
+LAST_TURNS = _next(TURN_RADII)  # longest arc that a straight chain begins [rad]
+ENDING_RADII = _next(ENDINGS)  # radius of the last arc, for each ending of a candidate [m]
+ENDING_FIRST_SIDES = _next(ENDINGS)  # side of the first arc, 1.0 left, -1.0 right
+ENDING_LAST_SIDES = _next(ENDINGS)  # side of the last arc, the same
+ENDING_LONGEST = _next(ENDINGS)  # length up to which a chain can follow the last arc [m]
+TOTAL_LENGTHS = _next(ENDINGS)  # lengths of the candidates that were measured last [m]
+
 # Scratch: the shortest candidates, sorted by length.
-LISTED_LENGTHS = _next(SHORTLIST_SIZE)  # length of each candidate [m]
-LISTED_NUMBERS = _next(SHORTLIST_SIZE)  # number of each candidate
+LISTED_LENGTHS = _next(LONGLIST_SIZE)  # length of each candidate [m]
+LISTED_NUMBERS = _next(LONGLIST_SIZE)  # number of each candidate
 
 # Scratch: outlines.
 TRIAL_OUTLINE = _next(SIDES)  # extents of what is to be reserved [m]
@@ -147,17 +165,6 @@ ROWS = _counter.rows  # number of rows of the memory
 
 # Scratch of a lone HAV, which has no slots: it lies in their rows.
 _alone = _Counter(FIRST_SLOT).next
-
-# Arcs. The turns from a straight chain are measured once: they stay the same.
-RADII = _alone(TURN_RADII)  # radii that the HAV tries, the truck's tightest first [m]
-FIRST_TURNS_LEFT = _alone(TURN_RADII)  # longest arc to the left from here [rad]
-FIRST_TURNS_RIGHT = _alone(TURN_RADII)  # longest arc to the right from here [rad]
-LAST_TURNS = _alone(TURN_RADII)  # longest arc that a straight chain begins [rad]
-ENDING_RADII = _alone(ENDINGS)  # radius of the last arc, for each ending of a candidate [m]
-ENDING_FIRST_SIDES = _alone(ENDINGS)  # side of the first arc, 1.0 left, -1.0 right
-ENDING_LAST_SIDES = _alone(ENDINGS)  # side of the last arc, the same
-ENDING_LONGEST = _alone(ENDINGS)  # length up to which a chain can follow the last arc [m]
-TOTAL_LENGTHS = _alone(ENDINGS)  # lengths of the candidates that were measured last [m]
 
 # Trials: predictions side by side, in one lane each.
 TRIAL_TURN = _alone(TRIALS)  # turn of the unit ahead in this step, the truck's first [rad]

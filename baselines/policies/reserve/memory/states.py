@@ -10,5 +10,5 @@ ARRIVED = 2.0  # It stops at its goal, within the outline that it has reserved.
 
 # A path has one of these purposes: the row ``PURPOSE``.
 GOAL_PATH = 0.0  # It leads to the goal.
-PLACE_PATH = 1.0  # It leads to a random place, to make room for others.
+PLACE_PATH = 1.0  # It leads to a random position, to give space to others.
 CIRCLE_PATH = 2.0  # It is the circle that the HAV can drive on without end.

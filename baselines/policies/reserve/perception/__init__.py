@@ -1,1 +1,1 @@
-"""This package writes what a HAV under Reserve senses and hears into its memory."""
+"""This package writes what a HAV under Reserve senses and receives into its memory."""

@@ -1,10 +1,11 @@
-"""This module gathers what a HAV under Reserve senses and hears of the others near it, into slots.
+"""This module gathers the sensed and received states of other HAVs near a HAV under Reserve.
 
-The nearest others get a slot each. The HAV also writes the radius within which nobody else is.
+The nearest others get a slot each. The HAV also writes the radius within which there is no other
+HAV.
 
 Another HAV broadcasts its outline, and the outline's frame as seen from its truck before and after
-its last step. The HAV senses the place of that truck, and so finds the frame. A HAV that has
-reserved nothing stands where the HAV senses it.
+its last step. The HAV senses the position of that truck, and derives the frame from it. A HAV
+without a reservation stands at its sensed position.
 """
 
 import math
@@ -41,7 +42,8 @@ _DRAWS_PER_NEIGHBOR = 3  # of the noise: direction and distance of the position,
 def gather(policy, rows, memory, world, agent, lane, radius):
     """Write the others that may be within a radius [m] round the own truck into slots.
 
-    The nearest get slots. ``COVERED_RADIUS`` is the radius within which nobody else is.
+    The nearest get slots. ``COVERED_RADIUS`` is the radius within which there is no HAV without a
+    slot.
     """
     rows[m.NUM_SLOTS], rows[m.NUM_UNARRIVED], rows[m.NEWCOMERS] = 0.0, 0.0, 0.0
     rows[m.COVERED_RADIUS] = radius
@@ -50,7 +52,7 @@ def gather(policy, rows, memory, world, agent, lane, radius):
         gap = _least_distance(policy, rows, memory, world, agent, k, lane)
         if gap <= radius:
             rows[m.NEWCOMERS] += 1.0 if is_newcomer(rows, world, agent, k, lane) else 0.0
-            count = insert(rows, count, gap, k)
+            count = insert(rows, count, gap, k, sizes.SHORTLIST_SIZE)
     if count > sizes.SLOT_COUNT:
         count, rows[m.COVERED_RADIUS] = sizes.SLOT_COUNT, rows[m.LISTED_LENGTHS + sizes.SLOT_COUNT]
     for number in range(count):
@@ -72,8 +74,8 @@ def _frame_row(policy, memory, world, agent, k, lane):
         (stamp > 0.0) & reserved & (heard(memory, world, agent, k, m.OUTLINE_RADIUS, lane) > 0.0)
     ):
         return -1
-    # A neighbour that has just decided is sensed where it was before that step.
-    # So is one that decided in the last step and then stood.
+    # A neighbour that has just decided is sensed at its position before that step. So is one that
+    # decided in the last step and then stood.
     stood = neighbor_speed(world, agent, k, lane) == 0.0
     return m.FRAME_BEFORE if stamp == now + 1.0 or (stamp == now and stood) else m.FRAME_AFTER
 

@@ -1,4 +1,4 @@
-"""This module measures distances to the others in a HAV's slots, and remembers who was near.
+"""This module measures distances to the others in a HAV's slots, and remembers the near ones.
 
 A neighbour is *near* if the circles that circumscribe both are less than ``NEAR_GAP`` apart. A
 *newcomer* is near, but was not when the HAV last remembered its neighbourhood.
@@ -21,7 +21,7 @@ from hav_env.world.sensing import (
 )
 
 NEAR_GAP = 30.0  # [m] between two circumscribing circles: far more than both drive in a step
-_GAIN = 4.0  # [m] that sides of the other outline hardly add to a gap: then they are not tried
+_GAIN = 4.0  # [m] that sides of the other outline hardly add to a gap: then they are not tested
 _HASH_SHIFT = 0.123  # makes the hash of one number differ from sums of hashes of others
 
 
@@ -50,7 +50,7 @@ def gap_to(rows, slot, outline, enough):
 
 @rare_kernel
 def is_any_within(rows, x, y, radius):
-    """Tell whether the bounding box of an outline in a slot is within a radius [m] of (x, y)."""
+    """Return whether the bounding box of an outline in a slot is within a radius [m] of (x, y)."""
     for number in range(int(rows[m.NUM_SLOTS])):
         outline = slot_at(number) + m.SLOT_OUTLINE
         dx = max(x - rows[outline], -rows[outline + SIDES // 2] - x, 0.0)
@@ -72,15 +72,15 @@ def extent_of(rows, outline):
 
 @kernel
 def is_covered(rows, outline, margin):
-    """Tell whether all who may be within a margin [m] of an outline have slots."""
+    """Return whether all HAVs that may be within a margin [m] of an outline have slots."""
     return extent_of(rows, outline) + margin <= rows[m.COVERED_RADIUS]
 
 
 @rare_kernel
 def keeps_margin(rows, outline, kind, margin):
-    """Tell whether an outline keeps a margin [m] from all slots of a kind.
+    """Return whether an outline keeps a margin [m] from all slots of a kind.
 
-    Those that stand and are closer than the margin are marked in ``SLOT_CLOSE``.
+    Standing HAVs that are closer than the margin are marked in ``SLOT_CLOSE``.
     """
     free = True
     for number in range(int(rows[m.NUM_SLOTS])):
@@ -99,7 +99,7 @@ def keeps_margin(rows, outline, kind, margin):
 
 @kernel
 def is_near(rows, world, agent, k, lane):
-    """Tell whether a neighbour is near, so that the HAV notices when it comes or goes.
+    """Return whether a neighbour is near, so the HAV notices its arrival or departure.
 
     The HAV compares its outline with those of farther neighbours only when it reserves.
     """
@@ -137,7 +137,7 @@ def remember_neighborhood(policy, rows, memory, world, agent, lane):
 
 @rare_kernel
 def was_near(rows, number):
-    """Tell whether the HAV of this number was near when the neighbourhood was remembered."""
+    """Return whether the HAV of this number was near when the neighbourhood was remembered."""
     for k in range(min(int(rows[m.NUM_NEAR]), sizes.MAX_KNOWN)):
         if rows[m.NEAR_NUMBERS + k] == number:
             return True
@@ -146,7 +146,7 @@ def was_near(rows, number):
 
 @rare_kernel
 def is_newcomer(rows, world, agent, k, lane):
-    """Tell whether a neighbour is near and was not when the neighbourhood was remembered."""
+    """Return whether a neighbour is near and was not when the neighbourhood was remembered."""
     known = was_near(rows, neighbor_id(world, agent, k, lane))
     return not known and is_near(rows, world, agent, k, lane)
 
@@ -155,7 +155,7 @@ def is_newcomer(rows, world, agent, k, lane):
 def reserved_gap(rows, slot):
     """Return a lower bound of the distance [m] from the reserved outline to that in a slot.
 
-    It is computed as when the later one of both outlines was reserved, so the result is the same.
+    The computation is that of the later of the two reservations, so the result is equal.
     """
     x, y, cosine, sine = (
         rows[m.FRAME_AFTER],
@@ -186,7 +186,7 @@ def reserved_gap(rows, slot):
 
 @kernel
 def has_neighborhood_changed(policy, rows, memory, world, agent, lane):
-    """Tell whether the near neighbours or their states differ from those remembered."""
+    """Return whether the near neighbours or their states differ from those remembered."""
     count, total = 0, 0.0
     for k in range(num_neighbors(world, agent, lane)):
         if is_near(rows, world, agent, k, lane):

@@ -1,7 +1,8 @@
-"""This module writes what a HAV senses of itself into its memory, once a step.
+"""This module writes the HAV's sensing of itself into its memory, once a step.
 
-All other modules read the memory only. So a decision cannot depend on anything that the HAV does
-not know. Besides, their functions compile faster without the forty arrays of a world as arguments.
+All other modules read the memory only. A decision therefore cannot depend on anything that the HAV
+does not know. In addition, their functions compile faster without the forty arrays of a world as
+arguments.
 """
 
 import math
@@ -25,16 +26,17 @@ from hav_env.world.sensing import (
     unit_length,
 )
 
-SURELY = 1.0 - 1e-9  # of the tolerances of a goal: what is within is hit, despite rounding
+SURELY = 1.0 - 1e-9  # share of a goal's tolerances: poses within hit it, despite rounding
+_EXTRA_BEND = 1.5  # of the square of a unit's turn: bends between steps; up to 0.97 were measured
 _SWING = 1.5  # of step / shortest unit: share by which a trailer may move farther than its pull
 
 
 @kernel
 def sense_itself(policy, rows, world, agent, lane):
-    """Write what changes from step to step, and in the first step also what does not change.
+    """Write the quantities that change in each step, and in the first step also the constant ones.
 
     Returns:
-        Whether the HAV has stood: it senses its goal where it was in the step before.
+        Whether the HAV has stood: its sensed goal is where it was in the step before.
     """
     if rows[m.OWN_STEP] == 0.0:
         _sense_body(policy, rows, world, agent, lane)
@@ -73,7 +75,7 @@ def _sense_body(policy, rows, world, agent, lane):
     rows[m.OWN_FOLD_TURN] = TWO_PI - 2.0 * bound
     bend = bend if rows[m.OWN_LEAST_COSINE] > 0.0 else 1.0
     rows[m.OWN_TRUCK_RADIUS] = truck * cosine / sine
-    # R_min of eq. (rmin) counts the truck as well, of which trailers know nothing
+    # R_min of eq. (17) also counts the truck, on which trailers do not depend
     stable = stable_radius(world, agent, lane)
     rows[m.OWN_TRAILER_RADIUS] = math.sqrt(max(stable * stable - truck * truck, 0.0))
     circle = CIRCLE_FACTOR * max(rows[m.OWN_TRAILER_RADIUS], rows[m.OWN_TRUCK_RADIUS])
@@ -93,17 +95,24 @@ def _sense_body(policy, rows, world, agent, lane):
 
 @rare_kernel
 def _sense_step(rows):
-    """Write the largest distance of a step, and the largest distance from its straight ways."""
+    """Write the largest distance of a step, and the largest distance from its straight ways.
+
+    Tight turns bend joints up to their limit at the steps, and by little more between them. The
+    chain must not bend by more than 90 degrees then (docs/safety.md).
+    """
     trailers, shortest = int(rows[m.OWN_TRAILERS]), rows[m.OWN_LENGTHS]
     for unit in range(1, trailers + 1):
         shortest = min(shortest, rows[m.OWN_LENGTHS + unit])
     rows[m.OWN_SAG] = sag(rows[m.OWN_STEP], rows[m.OWN_STEERING_TANGENT], shortest)
+    quickest = max(1.0 / shortest, rows[m.OWN_STEERING_TANGENT] / rows[m.OWN_LENGTHS])
+    bend = _EXTRA_BEND * (rows[m.OWN_STEP] * quickest) ** 2
+    rows[m.OWN_TIGHT] = 1.0 if 0.5 * rows[m.OWN_FOLD_TURN] >= 0.5 * math.pi + bend else 0.0
     rows[m.OWN_STRIDE] = stride(rows[m.OWN_STEP], rows[m.OWN_STEERING_TANGENT], shortest, trailers)
 
 
 @kernel
 def sag(step, steepest, shortest):
-    """Return how far [m] the axles of rolling wheels may be from their straight ways in a step.
+    """Return the largest distance [m] of the axles of rolling wheels from straight lines in a step.
 
     The simulator turns the truck first and then moves it. Wheels do both at once. The equation and
     its proof are in docs/safety.md under "Between steps".
@@ -143,7 +152,7 @@ def sense_joints(rows, world, agent, lane):
 
 @kernel
 def is_due(rows, period):
-    """Tell whether it is the HAV's turn to do what it does once in ``period`` steps.
+    """Return whether this is the HAV's step for an action that recurs every ``period`` steps.
 
     HAVs with consecutive numbers have their turns in consecutive steps.
     """
@@ -158,7 +167,7 @@ def sensed_goal(rows):
 
 @kernel
 def hits_goal(policy, dx, dy, turn, share):
-    """Tell whether a goal is hit, with the tolerances times ``share``.
+    """Return whether a goal is hit, with the tolerances times ``share``.
 
     Args:
         policy: The Reserve, which has the tolerances.

@@ -2,7 +2,7 @@
 
 The first ones are Dubins words of three radii. The next ones consist of two Dubins words with a
 random pose between them. The last resort are sequences of arcs and straights, in order of their
-number, each with the shortest path to the pose behind it. They leave out only what is finer than
+number, each with the shortest path to the pose behind it. They leave out only sequences finer than
 their pieces, or longer than their sequences.
 """
 

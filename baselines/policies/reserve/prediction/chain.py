@@ -1,4 +1,4 @@
-"""This module predicts the axles of the chain: their places, their pull, and what they touch."""
+"""This module predicts the axles of the chain: positions, pull and contacts."""
 
 import math
 
@@ -61,7 +61,7 @@ def include_axles(rows, outline):
 
 @rare_kernel
 def keeps_clear_of(rows, slot, margin):
-    """Tell whether the chain is more than a margin [m] from a slot's HAV that stands."""
+    """Return whether the chain is more than a margin [m] from a slot's HAV that stands."""
     for axle in range(int(rows[m.OWN_TRAILERS]) + 1):
         at = m.AXLES + 2 * axle
         if not link_keeps_clear(
@@ -73,7 +73,7 @@ def keeps_clear_of(rows, slot, margin):
 
 @rare_kernel
 def link_keeps_clear(rows, slot, ax, ay, bx, by, margin):
-    """Tell whether the segment a-b is more than a margin [m] from a slot's HAV that stands."""
+    """Return whether the segment a-b is more than a margin [m] from a slot's HAV that stands."""
     outline = slot + m.SLOT_OUTLINE
     margin += rows[slot + m.SLOT_ERROR]
     if (
@@ -96,10 +96,10 @@ def link_keeps_clear(rows, slot, ax, ay, bx, by, margin):
 
 @rare_kernel
 def keeps_clear(rows, margin):
-    """Tell whether the chain keeps clear of all that stand and are close in the last step.
+    """Return whether the chain keeps clear of all close standing HAVs in the last step.
 
     At the end of the step it must keep a margin [m] from them. During the step it must not touch
-    them, however its axles move between their places (docs/safety.md, "Between steps").
+    them, however its axles move between their positions (docs/safety.md, "Between steps").
     """
     for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
@@ -117,7 +117,7 @@ def keeps_clear(rows, margin):
 
 @rare_kernel
 def _step_keeps_clear(rows, slot):
-    """Tell whether no link of the chain can touch a HAV that stands during the step."""
+    """Return whether no link of the chain can touch a HAV that stands during the step."""
     for axle in range(int(rows[m.OWN_TRAILERS]) + 1):
         at = 2 * axle
         moved = (
@@ -152,8 +152,8 @@ def _axle_moved(rows, at):
 def _write_swept(rows, axle):
     """Write corners of a convex set that holds the link behind an axle during the whole step.
 
-    They are both ends of the link before the step, both after it, and the farthest place that the
-    axle reaches along the link ahead, which pulls it. Nothing pulls the front axle.
+    They are both ends of the link before the step and after it. The fifth is the farthest place
+    that the axle reaches along the link ahead, which pulls it. Nothing pulls the front axle.
     """
     for end in range(2):
         at = 2 * (axle + end)
@@ -175,7 +175,7 @@ def _write_swept(rows, axle):
 
 @rare_kernel
 def _swept_keeps_clear(rows, slot, margin):
-    """Tell whether the hull of ``SWEPT_CORNERS`` keeps a margin [m] from a HAV that stands."""
+    """Return whether the hull of ``SWEPT_CORNERS`` keeps a margin [m] from a HAV that stands."""
     for link in range(int(rows[slot + m.SLOT_NUM_AXLES]) - 1):
         at = slot + m.SLOT_AXLES + 2 * link
         if not hull_apart(
@@ -194,7 +194,7 @@ def _swept_keeps_clear(rows, slot, margin):
 
 @kernel
 def nose_keeps_clear(rows, slot, before_x, before_y, margin):
-    """Tell whether the nose keeps clear of a HAV that stands on its way from a place before [m]."""
+    """Return whether the nose keeps clear of a standing HAV on its way from a position [m]."""
     return link_keeps_clear(
         rows, slot, before_x, before_y, rows[m.AXLES], rows[m.AXLES + 1], margin
     )

@@ -1,6 +1,6 @@
 """This module finds holding circles, on which a HAV can drive without end.
 
-It looks for room for a circle, and predicts how the HAV enters it.
+It looks for space for a circle, and predicts how the HAV enters it.
 """
 
 import math
@@ -17,6 +17,7 @@ from baselines.policies.reserve.prediction.chain import (
     place_axles,
     pull_axles,
 )
+from baselines.policies.reserve.prediction.joints import circle_keeps_joints
 from baselines.policies.reserve.prediction.motion import (
     advance_chain,
     sense_chain,
@@ -34,21 +35,21 @@ _COARSE_ERROR = 0.15  # [m] of the places of axles after coarse steps
 _CIRCLE_COARSE_STEP = 1.5  # [m] of a coarse step round a circle, at most
 _COARSE_TURNS = 3.0  # until trailers have closed in on their circles
 _EXACT_TURNS = 2.0  # that are predicted step by step at a time
-_CIRCLING_MARGIN = 0.01  # [m] to those that stand, for more turns on a circle that is reserved
+_CIRCLING_MARGIN = 0.01  # [m] to standing HAVs, for more turns on a reserved circle
 _ENDLESS = 1e9  # [m] length of an arc that no episode reaches the end of
 
 
 @rare_kernel
 def find_circle(policy, rows, x, y, heading, shifts, margin, exact):
-    """Look for a circle that the HAV can drive on without end. The axles stay.
+    """Look for a circle that the HAV can drive on without end. The axles do not change.
 
     The side of the last circle comes first.
 
     Args:
         policy: The Reserve.
         rows: The HAV's memory, with outlines and axles as in ``circle_is_free``.
-        x: x of the truck where the reserved part ends [m].
-        y: y of the truck there [m].
+        x: X of the truck where the reserved part ends [m].
+        y: Y of the truck there [m].
         heading: Heading of the truck there [rad].
         shifts: Number of straight distances before the circle to try. The first one is 0, and each
             further one is longer by a radius of the nose's circle.
@@ -73,14 +74,14 @@ def find_circle(policy, rows, x, y, heading, shifts, margin, exact):
 
 @rare_kernel
 def circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact):
-    """Tell whether a HAV can drive straight on and then round a circle without end.
+    """Return whether a HAV can drive straight on and then round a circle without end.
 
     Args:
         policy: The Reserve.
         rows: The HAV's memory. ``BODY_OUTLINE`` is the outline of what comes before the circle, and
             the axles are where that ends. ``TRIAL_OUTLINE`` becomes the outline of everything.
-        x: x of the truck where the reserved part ends [m].
-        y: y of the truck there [m].
+        x: X of the truck where the reserved part ends [m].
+        y: Y of the truck there [m].
         heading: Heading of the truck there [rad].
         side: Side of the circle, 1.0 left, -1.0 right.
         shift: Straight distance before the circle [m].
@@ -100,6 +101,8 @@ def circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact):
         return False
     if not keeps_margin(rows, m.TRIAL_OUTLINE, states.RESERVED, margin):
         return False
+    if exact and not circle_keeps_joints(rows, side, shift):
+        return False
     if keeps_margin(rows, m.TRIAL_OUTLINE, states.STANDING, margin):
         return True
     if not exact:
@@ -112,7 +115,7 @@ def circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact):
 
 @rare_kernel
 def _passes_coarsely(rows, x, y, heading, side, shift, margin):
-    """Tell whether the HAV passes those that stand, in coarse steps on the circle.
+    """Return whether the HAV passes standing HAVs, in coarse steps on the circle.
 
     It drives straight on, and then ``_COARSE_TURNS`` times round the circle.
     """
@@ -140,7 +143,7 @@ def _passes_coarsely(rows, x, y, heading, side, shift, margin):
 
 @rare_kernel
 def _coarse_step_keeps_clear(rows, nose_x, nose_y, margin):
-    """Tell whether the axles, and the nose on its way from a place before, keep clear."""
+    """Return whether the axles, and the nose on its way from an earlier position, keep clear."""
     for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
         if (
@@ -157,9 +160,10 @@ def _coarse_step_keeps_clear(rows, nose_x, nose_y, margin):
 
 @rare_kernel
 def _passes_exactly(policy, rows, x, y, heading, side, shift, margin):
-    """Tell whether the HAV passes those that stand, step by step on the circle.
+    """Return whether the HAV passes standing HAVs, step by step on the circle.
 
-    It drives straight on, and then ``_EXACT_TURNS`` times round the circle. The chain stays.
+    It drives straight on, and then ``_EXACT_TURNS`` times round the circle. The chain does not
+    change.
     """
     for row in range(2 * sizes.MAX_UNITS):
         rows[m.SAVED_CHAIN + row] = rows[m.PREDICTED_CHAIN + row]
@@ -199,9 +203,9 @@ def enter_circle(rows):
 def extend_circle(rows, path, driven, heading, shift):
     """Extend the reserved part of a path that ends in a circle by the next ``_EXACT_TURNS`` turns.
 
-    They are predicted, and must stay within the outline that is reserved already. So the outlines
-    of others do not matter. At their end the HAV extends the part again, because trailers may
-    close in on the circle's centre for many turns.
+    They are predicted, and must stay within the outline that is reserved already. The outlines of
+    others therefore do not matter. At their end the HAV extends the part again, because trailers
+    may close in on the circle's centre for many turns.
 
     Args:
         rows: The HAV's memory.

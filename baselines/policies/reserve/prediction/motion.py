@@ -11,8 +11,8 @@ from hav_env.maths.elementary import atan2, sincos, small_sincos
 from hav_env.maths.geometry import clip, into_frame, wrap
 
 _FOLDED = -2.0  # stands for a cosine below that of every allowed articulation
-# distance over length up to which a unit turns by less than pi / 4 in a step: a turn is at most
-# that ratio, but for rounding, which the 5 % to pi / 4 exceed by far
+# distance over length up to which a unit turns by less than pi / 4 in a step. A turn is at most
+# that ratio, except for rounding, and the 5 % to pi / 4 exceed rounding by far
 _SMALL_TURN = 0.75
 
 
@@ -33,8 +33,8 @@ def advance_chain(rows, x, y, turn, distance):
 
     Args:
         rows: The HAV's memory, which holds the chain.
-        x: x of the truck's rear axle before the step [m].
-        y: y of the truck's rear axle before the step [m].
+        x: X of the truck's rear axle before the step [m].
+        y: Y of the truck's rear axle before the step [m].
         turn: Turn of the truck in the step [rad].
         distance: Distance that its rear axle moves after that turn [m].
 
@@ -62,7 +62,7 @@ def advance_chain(rows, x, y, turn, distance):
 
 @kernel
 def turns_little(rows, unit, distance):
-    """Tell whether a trailer turns by less than pi / 4 whenever the truck moves a distance [m].
+    """Return whether a trailer turns by less than pi / 4 whenever the truck moves a distance [m].
 
     Turns are pull * sine / length, and no unit is pulled farther than the truck moves.
     """
@@ -79,11 +79,11 @@ def pull_unit(ahead_cosine, ahead_sine, cosine, sine, pull, turn, least, length,
         cosine: Cosine of the own heading before the step.
         sine: Sine of that heading.
         pull: Distance that the unit ahead moves [m].
-        turn: Turn of the unit ahead [rad].
+        turn: Turn and move a unit behind the unit ahead, which has already moved.
         least: Least cosine of the articulations before this one.
         length: Length of the unit [m].
         fold_turn: Least change of an articulation that may fold a joint through [rad].
-        little: Whether the unit ``turns_little``. The result is the same, and comes sooner.
+        little: Whether the unit ``turns_little``. The result is equal, and faster to compute.
 
     Returns:
         Cosine and sine of the heading after the step, the distance that the unit moves [m], its
@@ -117,8 +117,9 @@ def turn_to(rows, wanted, heading, distance):
 def follow(rows):
     """Return the turn [rad] and the distance [m] of the next step along the path.
 
-    The truck turns first and then moves along its new heading. So the right heading is that of the
-    path half a step ahead. The truck's own heading follows from the sensed heading of its goal.
+    The truck turns first and then moves along its new heading. The right heading is therefore that
+    of the path half a step ahead. The truck's own heading follows from the sensed heading of its
+    goal.
     """
     distance = rows[m.OWN_STEP]
     wanted = heading_at(rows, m.CURRENT_PATH, rows[m.DRIVEN] + 0.5 * distance)

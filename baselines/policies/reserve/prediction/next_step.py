@@ -1,4 +1,4 @@
-"""This module predicts the next step of a HAV that hears no outlines of others."""
+"""This module predicts the next step of a HAV that receives no outlines of others."""
 
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes
@@ -14,12 +14,12 @@ _SHORTEST = 0.5  # of a step: no unit is shorter, which the preconditions check
 
 @rare_kernel
 def next_step_keeps_clear(rows):
-    """Tell whether the HAV is clear of all others after its next step, if they take one too."""
+    """Return whether the HAV is clear of all others after its next step, if they take one too."""
     turn, distance = follow(rows)
     sense_chain(rows)
     x, y, _ = advance_chain(rows, 0.0, 0.0, turn, distance)
     place_axles(rows, x, y)
-    # of others without a slot the HAV knows only the bound of their units
+    # for others without a slot, the HAV knows only the bound of their units
     step, steepest = rows[m.OWN_STEP], rows[m.OWN_STEERING_TANGENT]
     most = stride(step, steepest, _SHORTEST * step, sizes.MAX_TRAILERS)
     most += 2.0 * _SAGS * sag(step, steepest, _SHORTEST * step)

@@ -1,8 +1,8 @@
-"""This module predicts several paths of a lone HAV side by side, each in a lane of its own.
+"""This module predicts several paths of a lone HAV side by side, each in a lane.
 
 A chain is a long sequence of operations that wait for each other. In lanes, one instruction does
 the same operation for several chains, in the same order as ``motion.advance_chain`` does it for
-one. So the results are the same. What a lane holds after the end of its trial is not read.
+one. The results are therefore equal. Values in a lane after the end of its trial are void.
 """
 
 from baselines.policies.reserve.memory import rows as m

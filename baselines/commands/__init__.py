@@ -1,0 +1,1 @@
+"""This package has the commands of the menu that run policies, a module for each."""

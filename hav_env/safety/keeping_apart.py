@@ -1,0 +1,158 @@
+"""This module stops a HAV for a step that might end in a collision.
+
+All HAVs decide at once, from the positions of the others, without broadcast. docs/safety-filter.md
+has the theorem and its proof. A HAV may move past another HAV if rule A or rule B allows it:
+
+A. After its step, it is farther from the present position of the other HAV than either may move
+   in the step.
+B. The other HAV certainly stands, or yields by the right of way, and the sum of the gaps before
+   and after the step exceeds the HAV's own movement.
+"""
+
+from hav_env.compiled import generic, kernel, rare_kernel
+from hav_env.maths.elementary import sincos
+from hav_env.safety.displacement import bound_displacement, most_displacement
+from hav_env.safety.gaps import gap_of_bodies
+from hav_env.safety.trial_moves import swap_posture
+from hav_env.world.arrays import NEVER, SPEED, STEP, World
+from hav_env.world.collision import reach, squared_distance, within
+from hav_env.world.event_table import obstacle_hit_at
+from hav_env.world.obstacles.collisions import gap_to_segment
+from hav_env.world.place.segments import MOST_MOVED, NEXT_DUE, Obstacles, Plane, segment_of
+from hav_env.world.sensing import neighbor_id, num_neighbors, waits
+
+# no point of a HAV moves farther than so many steps of its truck; a HAV that might is stopped
+FARTHEST_STEPS = 25.0
+# far more than the rounding error of the sum of two gaps [m]
+_SPARE_GAP = 1e-3
+
+
+@kernel
+def may_come_near(task, world: World, agent: int, lane: int) -> bool:
+    """Return whether a HAV's step may reach a neighbour or an obstacle: a quick test."""
+    step = task.dt * world.fleet.limit[agent, SPEED, lane]
+    own = reach(world.fleet, agent, lane)
+    for k in range(num_neighbors(world, agent, lane)):
+        other = neighbor_id(world, agent, k, lane)
+        longest = max(step, task.dt * world.fleet.limit[other, SPEED, lane])
+        limit = own + reach(world.fleet, other, lane) + FARTHEST_STEPS * longest
+        if within(squared_distance(world, agent, other, lane), limit):
+            return True
+    return may_reach_obstacle(world.place, world, agent, lane, FARTHEST_STEPS * step)
+
+
+@kernel
+def may_go_too_far(task, world: World, agent: int, lane: int) -> bool:
+    """Return whether a HAV's step may be too long for the quick test, or for its sensing range."""
+    most = most_displacement(world, agent, lane, task.dt)
+    longest = FARTHEST_STEPS * task.dt * world.fleet.limit[agent, SPEED, lane]
+    return (most > longest) | (2.0 * most > task.sensing_range)
+
+
+@rare_kernel
+def must_stand(safety, task, world, agent, lane, rows):
+    """Return whether a HAV must stand for the step of its trial.
+
+    Args:
+        safety: Safety filter.
+        task: Rules of the episode.
+        world: Block of worlds, in which the HAV is at its position after the step.
+        agent: Index of the HAV.
+        lane: Index of the world.
+        rows: Scratch, which keeps the HAV's position before the step.
+    """
+    way = _way_of(task, world, agent, lane)
+    for k in range(num_neighbors(world, agent, lane)):
+        other = neighbor_id(world, agent, k, lane)
+        if not _keeps_from(safety, task, world, agent, other, lane, way, rows):
+            return True
+    return not keeps_from_obstacles(world.place, world, agent, lane, way, rows)
+
+
+@kernel
+def _way_of(task, world, agent, lane):
+    """Return a bound [m] on the movement of any point of a HAV in its trial step."""
+    state = world.state
+    sine, cosine = sincos(state.steering[agent, lane])
+    tangent, step = sine / cosine, task.dt * state.speed[agent, lane]
+    return bound_displacement(world, agent, lane, step, tangent * tangent)
+
+
+@kernel
+def _keeps_from(safety, task, world, agent, other, lane, way, rows):
+    """Return whether rule A or B lets a HAV move past another HAV."""
+    need = max(way, most_displacement(world, other, lane, task.dt)) + _SPARE_GAP
+    reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
+    if not within(squared_distance(world, agent, other, lane), reaches + need):
+        return True
+    bodies = world.fleet.bodies
+    after = gap_of_bodies(bodies, world, agent, other, lane, need)
+    if after >= need:
+        return True
+    swap_posture(world, agent, rows, lane)
+    before = gap_of_bodies(bodies, world, agent, other, lane, need + way)
+    swap_posture(world, agent, rows, lane)
+    yields = waits(world, other, lane) or has_right_of_way(safety, world, agent, other, lane)
+    # HAVs that touch have already collided: nothing is left to prevent
+    return before <= 0.0 or (yields and before + after > way + _SPARE_GAP)
+
+
+@kernel
+def has_right_of_way(safety, world, agent, other, lane):
+    """Return whether a HAV has the right of way, which alternates every ``safety.turn`` steps.
+
+    Exactly one of the two has it: both read the same clock and the same two indices.
+    """
+    lower_first = (world.state.clock[STEP, lane] // safety.turn) % 2 == 0
+    return lower_first == (agent < other)
+
+
+@generic
+def may_reach_obstacle(place, world, agent, lane, distance):
+    """Return whether an obstacle may be within a distance [m] of a HAV: a quick test."""
+
+
+@may_reach_obstacle.register(Plane)
+def _reach_nothing(place, world, agent, lane, distance):
+    return False
+
+
+@may_reach_obstacle.register(Obstacles)
+def _reach_what_is_due(place, world, agent, lane, distance):
+    driven = place.driven
+    near = driven[agent, MOST_MOVED, lane] + distance >= driven[agent, NEXT_DUE, lane]
+    # the simulator tests obstacles only until the first collision, so nothing is due afterwards
+    return near | (obstacle_hit_at(place, world, agent, lane) > NEVER)
+
+
+@generic
+def keeps_from_obstacles(place, world, agent, lane, way, rows):
+    """Return whether a HAV touches no obstacle at any moment of its trial step.
+
+    It touches none if the sum of the gaps before and after exceeds the movement of all its points.
+    """
+
+
+@keeps_from_obstacles.register(Plane)
+def _keeps_from_nothing(place, world, agent, lane, way, rows):
+    return True
+
+
+@keeps_from_obstacles.register(Obstacles)
+def _keeps_from_segments(place, world, agent, lane, way, rows):
+    driven, due = place.driven[agent, MOST_MOVED, lane], place.due[world.first + lane, agent]
+    limit = way + _SPARE_GAP
+    for number in range(place.count[lane]):
+        least = due[number] - driven  # the gap before the step is at least that
+        if least > limit:
+            continue
+        segment = segment_of(place, number, lane)
+        after = max(gap_to_segment(world, agent, segment, lane), 0.0)
+        if least + after > limit:
+            continue
+        swap_posture(world, agent, rows, lane)
+        before = gap_to_segment(world, agent, segment, lane)
+        swap_posture(world, agent, rows, lane)
+        if before > 0.0 and before + after <= limit:
+            return False
+    return True

@@ -1,0 +1,1 @@
+"""This package tests the site and the notebooks; it needs the extra ``docs``."""

@@ -1,0 +1,1 @@
+"""This package has the parts of the own training loops: worlds, networks, starts, files."""
