@@ -15,6 +15,10 @@ from hav_env.mdp import decision_process
 from hav_env.mdp.decision_process import DecisionProcess
 from tests.support.budgets import budget
 
+# Python reports an interrupt in a finalizer or in a callback of the garbage collector, and does not
+# raise it
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+
 THREADS = 4
 
 
@@ -67,8 +71,6 @@ def begin(made, seed):
     return told
 
 
-# an interrupt in a callback of the garbage collector is reported, not raised
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_thirty_interrupts_at_random_moments_leave_every_world_in_step():
     """An interrupted step was taken in all worlds or in none, and nothing hangs."""
     random = np.random.default_rng(1)
