@@ -58,7 +58,7 @@ class Run:
             if arguments.begin_with == ALONG_ROUTE:
                 start_on_route(self.learner, self.env, self.process, arguments.begin_speed)
             else:
-                begun = find_trained(arguments.begin_with)
+                begun = find_trained(arguments.begin_with, "begin_with", (ALONG_ROUTE,))
                 start_from(begun, self.learner, self.env, self.process)
             self.env.seed(first)  # again: the warm start reset the worlds
         self.curve: list[dict[str, float]] = []

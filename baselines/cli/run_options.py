@@ -8,7 +8,7 @@ import tyro
 
 from baselines.cli.options import take_option
 from baselines.cli.tables import Format
-from hav_env import Explicit, Task, find_scenario
+from hav_env import Explicit, Task
 from hav_env.evaluation.evaluate import USUAL_SCENARIO
 from hav_env.policies.backup import NoBackup
 from hav_env.policies.demands import guidance_of
@@ -16,7 +16,7 @@ from hav_env.policies.names import POLICIES
 from hav_env.scenarios.presets import REGISTRY as SCENARIO_NAMES
 from hav_env.scenarios.presets import scenario_of
 from hav_env.simulator.guiding import GUIDANCES
-from hav_env.vehicles import VEHICLES
+from hav_env.vehicles import COMBINATIONS, VEHICLES
 
 RESUMED = "the same command goes on where this one stopped"
 Safety = Literal["jackknife", "collision", "both"] | None
@@ -94,16 +94,19 @@ class Watch(Display):
 
 
 def take_scenario(arguments: list[str]) -> tuple[str, Any, list[str]]:
-    """Return the scenario of a command line, with its site if any, and the other arguments.
+    """Return the scenario of a command line, with its site and fleet, and the other arguments.
 
     Returns:
         A name for tables and titles, the scenario, the other arguments.
+
+    Raises:
+        ValueError: If there is no such scenario, site or fleet, or they do not fit together.
     """
     name, arguments = take_option(arguments, "--scenario", USUAL_SCENARIO)
     site, arguments = take_option(arguments, "--site", "")
-    if not site:
-        return name, find_scenario(name), arguments
-    return f"{name} at {site}", scenario_of(name, site=site), arguments
+    fleet, arguments = take_option(arguments, "--fleet", "")
+    title = name + (f" at {site}" if site else "") + (f" with {fleet}" if fleet else "")
+    return title, scenario_of(name, site=site or None, fleet=fleet or None), arguments
 
 
 def model_fields(policies: list[Any], scenario: Any, vehicle: Any, guidance: Any) -> list[tuple]:
@@ -123,6 +126,8 @@ def known_names() -> dict[str, str]:
         "POLICY": f"{POLICIES.known()}. --help behind one policy lists its parameters.",
         "--scenario NAME": f"{SCENARIO_NAMES.known()}.",
         "--site FILE": "A file with obstacles and bounds among which the scenario is to be.",
+        "--fleet NAME[,NAME]": "Real vehicles in place of the scenario's, with --vehicle realistic:"
+        f" {COMBINATIONS.known()}.",
         "--vehicle NAME": f"{VEHICLES.known()}.",
         "--guidance NAME": f"{GUIDANCES.known()}.",
         "hav-env list": "Shows what each name stands for.",
@@ -140,8 +145,15 @@ def vehicle_field(vehicle: Any) -> tuple:
 
 
 def take_vehicle(arguments: list[str]) -> tuple[Any, list[str]]:
-    """Return the vehicle of a command line, and the other arguments."""
+    """Return the vehicle of a command line, and the other arguments.
+
+    Raises:
+        ValueError: If there is no such model of vehicles.
+    """
     name, arguments = take_option(arguments, "--vehicle", "on_axle")
+    if name in COMBINATIONS.names():
+        told = f"vehicle is {name!r}, but must be a model of motion"
+        raise ValueError(f"{told}: write --fleet {name} --vehicle realistic")
     return VEHICLES.make(name), arguments
 
 

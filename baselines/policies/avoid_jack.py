@@ -120,7 +120,9 @@ EVADED, VECTOR_FORWARD, VECTOR_LEFT, WEIGHT = range(4)
 def _(policy: AvoidJack, scenario) -> None:
     limit = scenario.articulation_max
     if not policy.beta < limit:  # eq. (16) would allow no speed
-        raise ValueError(f"policy beta is {policy.beta}, but must be below {limit:.6g}")
+        rule = f"must be below {limit:.6g}, the least limit of the vehicles' articulations"
+        advice = f"choose {5 / 6 * limit:.4g}, 5/6 of it as in the paper"
+        raise ValueError(f"policy beta is {policy.beta}, but {rule}: {advice}")
 
 
 @memory_size.register

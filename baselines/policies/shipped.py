@@ -6,6 +6,7 @@ from typing import cast
 from baselines.policies.files import SUFFIX, load_policy, load_trained
 from baselines.policies.network import Network
 from baselines.policies.reserve import Reserve
+from hav_env.models.text import suggest
 from hav_env.policies.filtered import Filtered
 
 TRAINED = {
@@ -20,7 +21,7 @@ ppo_single: Network
 ppo_guided: Filtered
 """Network that PPO trained for single HAVs on feasible routes, with its jackknife filter."""
 ppo_reserve: Filtered
-"""``ppo_guided`` with Reserve as its backup: for any number of HAVs, without jackknifes and
+"""The policy ppo_guided with Reserve as its backup: for any number of HAVs, without jackknifes and
 collisions."""
 ppo_pair: Network
 """Network that PPO trained for pairs."""
@@ -38,18 +39,25 @@ def __getattr__(name: str) -> Network | Filtered:
     return load_policy(TRAINED[name])
 
 
-def find_trained(name: str) -> Network:
+def find_trained(name: str, argument: str = "policy", others: tuple[str, ...] = ()) -> Network:
     """Return a trained policy by its name or file, without its filter.
 
     Reading a file runs no code of its author.
+
+    Args:
+        name: Name of a trained policy, or the path of its file.
+        argument: The argument that has this name, for the message.
+        others: Other values of the argument, for the message.
 
     Raises:
         ValueError: If there is no such policy, or its file is broken.
     """
     path = policy_file(name)
     if path is None:
-        known = ", ".join([*TRAINED, f"FILE{SUFFIX}"])
-        raise ValueError(f"policy is {name!r}, but must be a trained one: {known}")
+        names = [*others, *TRAINED]
+        known = ", ".join([*names, f"FILE{SUFFIX}"])
+        rule = f"must be one of {known}{suggest(name, names)}"
+        raise ValueError(f"{argument} is {name!r}, but {rule}")
     return load_trained(path).policy
 
 

@@ -8,7 +8,7 @@ from hav_env.cli.errors import report_errors
 from hav_env.cli.meanings import meaning_of
 from hav_env.models.text import suggest
 
-_WIDTH, _NAMES = 80, 20  # characters of a line, and of the column of names
+_WIDTH, _NAMES = 80, 20  # characters of a line, and least of the column of names
 _HEADS = {
     "policies": ("policy", "hav_env.policies", "hav-env evaluate NAME ...; also FILE.policy"),
     "scenarios": ("scenario", "hav_env.scenarios", "--scenario NAME; also FILE.json"),
@@ -19,7 +19,7 @@ _HEADS = {
 }
 _CATALOGUE = "catalogue"
 _LIST_END = """Each option also takes module:Class, a model of your own.
-hav-env list catalogue shows the real vehicles that sites have."""
+hav-env list catalogue shows real vehicles for any scenario (--fleet NAME)."""
 
 
 def main(words: list[str]) -> int:
@@ -60,12 +60,13 @@ def _catalogue() -> str:
     from hav_env.vehicles import COMBINATIONS  # noqa: PLC0415
 
     titles = {name: COMBINATIONS.find(name).title for name in COMBINATIONS.names()}
-    return _section(_CATALOGUE, 'hav_env.catalogue("NAME")', titles)
+    return _section(_CATALOGUE, "--fleet NAME --vehicle realistic; also FILE.json", titles)
 
 
 def _section(head: str, use: str, meanings: dict[str, str]) -> str:
-    lines = [f"{head.upper():{_NAMES}}{use}"]
+    wide = max(_NAMES, *(len(f"  {name}  ") for name in meanings))
+    lines = [f"{head.upper():{wide}}{use}"]
     for name, meaning in meanings.items():
-        lead = f"  {name} ".ljust(_NAMES)
-        lines += textwrap.wrap(lead + meaning, _WIDTH, subsequent_indent=" " * _NAMES) or [lead]
+        lead = f"  {name} ".ljust(wide)
+        lines += textwrap.wrap(lead + meaning, _WIDTH, subsequent_indent=" " * wide) or [lead]
     return "\n".join(lines)

@@ -33,6 +33,8 @@ class Play:
     """Scenario: its name, or FILE.json; by default random poses."""
     site: str | None = None
     """File with the obstacles and the bounds of the scenario."""
+    fleet: str | None = None
+    """Real vehicles in place of the scenario's, with --vehicle realistic: NAME[,NAME]."""
     seed: int = 0
     """Seed of the first episode; each new episode takes the next seed."""
     others: str = "avoid_jack"
@@ -183,6 +185,7 @@ def open_environment(options: Play, render_mode: str | None = "human") -> Any:
     chosen: dict[str, Any] = {
         "num_havs": options.num_havs,
         "site": options.site,
+        "fleet": options.fleet,
         "vehicle": options.vehicle,
         "reward": options.reward,
     }

@@ -248,6 +248,7 @@ def parallel_env(
             file, ``module:Class`` or a model.
         num_havs: (default None) number of agents. None is the scenario's own number.
         site: (default None) obstacles and bounds for random poses: a ``Site`` or its file.
+        fleet: (default None) vehicles for the scenario: "wb-67,eurocombi" (catalogue), or a fleet.
         task: (default Task()) the rules of an episode; those below change single ones.
         vehicle: (default OnAxle()) the kinematics: a model, ``module:Class`` or a name, "on_axle",
             "limited", "off_axle" or "realistic".

@@ -1,7 +1,7 @@
 """This module scores policies on the same episodes: ``evaluate("avoid_jack", "reserve")``."""
 
 import os
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -66,6 +66,7 @@ def evaluate(
     seed: int = 0,
     num_havs: int | None = None,
     site: Site | str | os.PathLike[str] | None = None,
+    fleet: Any = None,
     task: Task = Task(),
     vehicle: Vehicle | str = OnAxle(),
     threads: int | None = None,
@@ -81,6 +82,7 @@ def evaluate(
         seed: Seed of the episodes, from 0 to 2**32 - 1.
         num_havs: Number of HAVs; by default the scenario's.
         site: Obstacles and bounds of the scenario: a ``Site`` or its file.
+        fleet: Vehicles in place of the scenario's: names in the catalogue, or a fleet.
         task: The rules of an episode.
         vehicle: Kinematics: a name, ``module:Class``, or a model.
         threads: Number of threads; by default ``HAV_THREADS`` or all cores. Results do not depend
@@ -95,7 +97,7 @@ def evaluate(
     if not policies:
         raise ValueError("evaluate needs at least one policy")
     made = [make_policy(policy) for policy in policies]
-    chosen = scenario_of(scenario, num_havs, site)
+    chosen = scenario_of(scenario, num_havs, site, fleet)
     numbers = np.arange(usual_episodes(chosen) if episodes is None else episodes)
     models = task, vehicle, threads, guidance
     tables = [rollout(policy, chosen, seed, numbers, *models) for policy in made]

@@ -41,6 +41,7 @@ class Settings(TypedDict, total=False):
     scenario: Any
     num_havs: int | None
     site: Any
+    fleet: Any
     task: Task
     vehicle: Any
     observation: Observation
@@ -72,6 +73,7 @@ class DecisionProcess:
         scenario: Any = "paper-pair",
         num_havs: int | None = None,
         site: Any = None,
+        fleet: Any = None,
         task: Task = Task(),
         vehicle: Any = OnAxle(),
         observation: Observation = Observation(),
@@ -92,24 +94,22 @@ class DecisionProcess:
             scenario: Model of the scenario, or its name, its file or ``module:Class``.
             num_havs: Number of HAVs N, if it differs from the scenario's.
             site: Obstacles and bounds of the scenario: a ``Site`` or its file.
+            fleet: Vehicles in place of the scenario's: names in the catalogue, or a fleet.
             task: Rules of the episodes.
             vehicle: Kinematics: a model, its name or ``module:Class``.
             observation: Observation of the learners.
             reward: Reward of the learners: a model, its name or ``module:Class``.
             frame_skip: Number of simulator steps for which an action is held.
-            safety: Events that a safety filter prevents: None, "jackknife", "collision", "both", or
-                a ``SafetyFilter``. It filters the commands of all HAVs before every step.
+            safety: None, "jackknife", "collision", "both" or a ``SafetyFilter`` of all commands.
             threads: Number of threads; by default ``HAV_THREADS`` or all cores.
-            info: "always" reports on the HAVs after every action; "ends" reports only on worlds
-                whose episodes end, which is faster.
+            info: "always" reports after every action; "ends" where episodes end, which is faster.
             guidance: Guidance (routes to the goals): a model or its name.
             rules: Rules of the task to replace: ``max_steps``, ``on_goal``, ...
 
         Raises:
-            ValueError, TypeError: If an argument is invalid; the message names it, its value and
-                the rule.
+            ValueError, TypeError: If an argument is invalid; the message names it and the rule.
         """
-        scenario = scenario_of(scenario, num_havs, site)
+        scenario = scenario_of(scenario, num_havs, site, fleet)
         check_observation(observation)
         reward = REWARDS.make(reward) if isinstance(reward, str) else reward
         vehicle = VEHICLES.make(vehicle) if isinstance(vehicle, str) else vehicle

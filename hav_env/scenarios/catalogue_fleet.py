@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -104,6 +104,28 @@ def catalogue_fleet(
         share=np.cumsum(relative) / np.sum(relative),
         **tables,
     )
+
+
+def fleet_of(fleet: Any) -> Any:
+    """Return a fleet.
+
+    Args:
+        fleet: a model of a fleet, or what ``catalogue_fleet`` takes: names with commas between
+            them, a ``Combination``, or a list of both.
+
+    Raises:
+        ValueError: if there is no such vehicle.
+        TypeError: if this is neither a fleet nor a vehicle.
+    """
+    if isinstance(fleet, str):
+        return catalogue_fleet([name.strip() for name in fleet.split(",")])
+    if isinstance(fleet, Combination) or not hasattr(fleet, "_fields"):
+        listed = isinstance(fleet, Combination | list | tuple)
+        if not listed:
+            rule = "must be a fleet, a vehicle of the catalogue or a list of vehicles"
+            raise TypeError(f"fleet is {show(fleet)}, but {rule}")
+        return catalogue_fleet(fleet)
+    return fleet
 
 
 def draw_catalogue_fleet(catalogue_fleet, fleet, lane, key, draw):

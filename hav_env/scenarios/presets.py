@@ -27,6 +27,7 @@ docs/sites-catalogue.md, which has the real places (``SITES``).
 import os
 from typing import Any, cast
 
+from hav_env.models.annotations import show
 from hav_env.models.checks import check_value
 from hav_env.models.names import Registry
 from hav_env.models.protocols import Scenario
@@ -43,6 +44,7 @@ from hav_env.scenarios import (
     load_explicit,
     populate,
 )
+from hav_env.scenarios.catalogue_fleet import fleet_of
 from hav_env.scenarios.sites import BUILDERS
 from hav_env.scenarios.sites.at_site import put_on_site, read_site
 
@@ -93,6 +95,7 @@ def scenario_of(
     scenario: Scenario | str | os.PathLike[str],
     num_havs: int | None = None,
     site: Site | str | os.PathLike[str] | None = None,
+    fleet: Any = None,
 ) -> Scenario:
     """Return a checked scenario.
 
@@ -100,14 +103,22 @@ def scenario_of(
         scenario: a scenario, or its name or file, see ``find_scenario``.
         num_havs: number of HAVs, if it differs from the scenario's.
         site: obstacles and bounds for the scenario, or their file, see ``load_site``.
+        fleet: vehicles in place of the scenario's: a fleet, or vehicles as ``fleet_of`` takes them.
 
     Raises:
         ValueError: when there is no such scenario, a parameter is not allowed, the scenario writes
-            its HAVs down and has another number of them, or it cannot be put on a site.
-        TypeError: when this is no scenario, or no site.
+            its HAVs down and has another number of them or other vehicles, or it cannot be put on
+            a site.
+        TypeError: when this is no scenario, no site, or no fleet.
     """
     found = find_scenario(scenario) if isinstance(scenario, str | os.PathLike) else scenario
     check_scenario(found)
+    if fleet is not None:
+        if "fleet" not in found._fields:
+            told = f"fleet is {show(fleet)}, but must be None"
+            raise ValueError(f"{told}: this {type(found).__name__} states its vehicles itself")
+        found = cast(Any, found)._replace(fleet=fleet_of(fleet))
+        check_scenario(found)
     if site is not None:
         found = put_on_site(found, read_site(site))
         check_scenario(found)

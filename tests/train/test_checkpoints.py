@@ -213,5 +213,5 @@ def test_a_run_begins_with_no_module(tmp_path, monkeypatch):
     (tmp_path / "planted.py").write_text("raise AssertionError('it was imported')")
     monkeypatch.syspath_prepend(tmp_path)
     arguments, _ = ppo.read_arguments(words(tmp_path, **SMALL, begin_with="planted:Policy"))
-    with pytest.raises(ValueError, match="must be a trained one"):
+    with pytest.raises(ValueError, match="begin_with is 'planted:Policy', but must be"):
         ppo.Run(arguments)

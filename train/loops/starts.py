@@ -109,7 +109,7 @@ def start_actor(name: str, actor: Actor, seen: Normalizer, process: DecisionProc
         steer_along_route(layers, place, 1.0)
         seen.own.mean[place], seen.own.variance[place] = 0.0, 1.0
         return
-    policy = find_trained(name)
+    policy = find_trained(name, "begin_with", (ALONG_ROUTE,))
     pool, most = actor.body.pool, process.batch.scenario.max_trailers
     own, each = split_columns(process.observation, most)
     places = _places_of(input_names(policy), own if pool else process.columns)

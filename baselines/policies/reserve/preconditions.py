@@ -26,7 +26,8 @@ def check_predicted(vehicle: Vehicle) -> None:
         ValueError: It is another vehicle, or has other parts. The message names both.
     """
     if not _same(vehicle, OnAxle()):
-        raise ValueError(f"vehicle is {vehicle}, but Reserve has its proof for {OnAxle()} alone")
+        shown = vehicle if isinstance(vehicle, OnAxle) else type(vehicle).__name__
+        raise ValueError(f"vehicle is {shown}, but Reserve has its proof for OnAxle() alone")
 
 
 def _same(one: Any, other: Any) -> bool:

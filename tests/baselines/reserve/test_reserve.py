@@ -50,7 +50,7 @@ def test_a_hav_that_is_alone_arrives_at_both_goals_and_never_jackknifes():
         (Task(), OnAxle(simultaneous=True), "but Reserve has its proof for OnAxle"),
         (Task(), OnAxle(actuators=Limited()), "but Reserve has its proof for OnAxle"),
         (Task(), OnAxle(bodies=Rectangles()), "but Reserve has its proof for OnAxle"),
-        (Task(), OffAxle(), r"vehicle is OffAxle\(.*, but Reserve has its proof for OnAxle"),
+        (Task(), OffAxle(), "vehicle is OffAxle, but Reserve has its proof for OnAxle"),
         (Task(), OffAxle(integrator="euler"), "but Reserve has its proof for OnAxle"),
         (Task(goal_speed=0.9), OnAxle(), "task goal_speed is 0.9, but must be at least speed_max"),
     ],
