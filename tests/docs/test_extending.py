@@ -50,8 +50,7 @@ def test_each_kind_has_a_block():
     "block",
     [
         SCRIPTS[0],
-        *(pytest.param(block, marks=pytest.mark.exhaustive) for block in SCRIPTS[1:]),
-        *OTHERS,
+        *(pytest.param(block, marks=pytest.mark.exhaustive) for block in SCRIPTS[1:] + OTHERS),
     ],
 )
 def test_the_blocks_run(block, folder):

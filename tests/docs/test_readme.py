@@ -53,8 +53,9 @@ def test_the_vector_example_runs():
 @pytest.mark.parametrize(
     "command",
     [
-        pytest.param(line, marks=[pytest.mark.exhaustive] if "--safety" in line else [])
+        pytest.param(line, marks=[pytest.mark.exhaustive] if long else [])
         for line in EVALUATE
+        for long in ["--safety" in line or "context" in line]
     ],
 )
 def test_the_commands_to_evaluate_run(command, tmp_path, capsys, monkeypatch):

@@ -42,6 +42,7 @@ def test_more_goals_are_hit_on_routes_than_without(monkeypatch):
     assert guided["goal_1_dubins_length"].equals(alone["goal_1_dubins_length"])
 
 
+@pytest.mark.exhaustive
 def test_rollouts_are_the_same_over_threads_and_step_by_step():
     one = run(1)
     assert run(3).equals(one)

@@ -164,7 +164,10 @@ def test_segments_that_a_world_does_not_have_are_zeros():
         assert told[-1] == pytest.approx(count / 5)
 
 
-@pytest.mark.parametrize("vehicle", [OnAxle(), OffAxle(bodies=Rectangles())])
+@pytest.mark.parametrize(
+    "vehicle",
+    [OnAxle(), pytest.param(OffAxle(bodies=Rectangles()), marks=pytest.mark.exhaustive)],
+)
 def test_the_states_of_all_worlds_are_those_of_each(vehicle):
     batch = catalogue_like(vehicle) if vehicle != OnAxle() else open_plane(3, 2, 3)
     state, rng = batch.worlds.state, np.random.default_rng(0)

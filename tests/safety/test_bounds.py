@@ -14,7 +14,7 @@ from tests.support.obstacles import body_shapes
 
 VEHICLE_MODELS = [
     OnAxle(),
-    OffAxle(bodies=Rectangles()),
+    pytest.param(OffAxle(bodies=Rectangles()), marks=pytest.mark.exhaustive),
 ]
 
 

@@ -64,7 +64,9 @@ def run(process, steps, choose, hold=5, seed=1):
 
 
 @pytest.mark.parametrize("choose", [at_random, at_each_other])
-@pytest.mark.parametrize("scenario", ["paper-pair", "dense-10"])
+@pytest.mark.parametrize(
+    "scenario", ["paper-pair", pytest.param("dense-10", marks=pytest.mark.exhaustive)]
+)
 def test_nobody_jackknifes_or_collides_whatever_is_commanded(scenario, choose):
     process = DecisionProcess(budget(24, 2), scenario=scenario, safety="both", threads=1)
     audit, info = run(process, budget(500, 30), choose, hold=30)

@@ -8,7 +8,7 @@ from scipy import stats
 
 from hav_env import Batch, RandomFleet, RandomPoses
 from hav_env.compiled import canonical
-from hav_env.scenarios import Explicit, RandomSitePoses, SitePoses, populate
+from hav_env.scenarios import Explicit, Field, RandomSitePoses, SitePoses, populate
 from tests.support.budgets import budget
 from tests.support.worlds import sample
 
@@ -68,7 +68,10 @@ def test_trailer_lengths_are_uniform_and_independent():
         assert abs(correlation) < 4.0 / math.sqrt(long.sum())
 
 
-@pytest.mark.parametrize("kind", DRAWN)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=[pytest.mark.exhaustive] if kind is Field else []) for kind in DRAWN],
+)
 def test_a_fleet_is_the_same_in_every_scenario(kind):
     fleet = RandomFleet(max_trailers=4, speed_max=2.0, footprint_truck_share=0.3)
     found, expected = (

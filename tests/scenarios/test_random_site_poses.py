@@ -62,6 +62,7 @@ def test_starts_and_goals_are_clear_of_segments_and_of_each_other(scenario, vehi
         assert shapely.contains(free, bodies).all()
 
 
+@pytest.mark.exhaustive
 @kinds
 def test_free_ways_touch_nothing(scenario, vehicle):
     """Their margin was kept at steps of half a metre: SciPy's path is between them, too."""

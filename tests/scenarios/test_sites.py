@@ -73,13 +73,8 @@ def alone(name):
 
 
 @pytest.mark.skipif(not COMPILED, reason="hundreds of thousands of steps")
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[] if name == "gate-2" else [pytest.mark.exhaustive])
-        for name in SITES
-    ],
-)
+@pytest.mark.exhaustive
+@sites
 def test_every_vehicle_drives_every_connection_and_touches_nothing(name):
     scenario = alone(name)
     episodes, covered = covering_episodes(scenario, seed=1, most=3_000)

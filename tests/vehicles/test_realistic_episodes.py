@@ -69,6 +69,7 @@ def test_a_world_among_others_is_the_world_alone(vehicle, threads):
         assert bits(many, w) == bits(driven(vehicle, [w])), w
 
 
+@pytest.mark.exhaustive
 def test_an_episode_in_a_rollout_is_the_episode_alone_and_things_happen(vehicle):
     scenario, episodes = scenario_for(vehicle), np.arange(budget(60, 3))
     table = rollout(CAREFUL, scenario, 5, episodes, TASK, vehicle, threads=2)

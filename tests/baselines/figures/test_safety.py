@@ -67,6 +67,7 @@ def test_a_recorded_episode_has_the_same_outlines(episode):
     assert len(trajectory.outline) < shown
 
 
+@pytest.mark.exhaustive
 def test_what_both_hold_is_disjoint(episode):
     _, memories, poses = episode
     for state in range(len(poses)):
@@ -75,6 +76,7 @@ def test_what_both_hold_is_disjoint(episode):
             assert one.distance(other) > 0.0
 
 
+@pytest.mark.exhaustive
 def test_paths_ahead_are_driven(episode):
     _, memories, poses = episode
     compared = 0
@@ -89,6 +91,7 @@ def test_paths_ahead_are_driven(episode):
     assert compared > len(poses) / 2
 
 
+@pytest.mark.exhaustive
 def test_the_command_draws_what_safety_shows(tmp_path, capsys):
     arguments = ["--havs", 1, "--steps", budget(300, 4), "--episodes", budget(8, 1)]
     arguments += ["--worlds", 1, "--output", tmp_path / "drawn"]

@@ -97,7 +97,13 @@ def test_chunks_do_not_show(monkeypatch):
         np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize("vehicle", [OnAxle(), OnAxle(actuators=Limited(0.3, 0.1, 0.1))])
+@pytest.mark.parametrize(
+    "vehicle",
+    [
+        OnAxle(),
+        pytest.param(OnAxle(actuators=Limited(0.3, 0.1, 0.1)), marks=pytest.mark.exhaustive),
+    ],
+)
 def test_the_recorded_motion_is_what_was_driven(vehicle):
     """For any decision, these speeds and angles move the truck; a HAV at its goal may roll."""
     task = TASK._replace(max_steps=budget(4_000, 300))

@@ -66,7 +66,13 @@ def packed(trajectory):
     return trajectory._asdict() | {"shape": shape}
 
 
-@pytest.mark.parametrize("vehicle", [OnAxle(), OffAxle(bodies=Rectangles(2.5, 1.0, 0.5))])
+@pytest.mark.parametrize(
+    "vehicle",
+    [
+        OnAxle(),
+        pytest.param(OffAxle(bodies=Rectangles(2.5, 1.0, 0.5)), marks=pytest.mark.exhaustive),
+    ],
+)
 def test_a_file_gives_the_same_episode_again(vehicle, tmp_path):
     task = Task(max_steps=budget(400, 20))
     trajectory = record_trajectory(AvoidJack(), RandomPoses(2), 0, 5, task, vehicle)
