@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from baselines.policies.dubins_pursuit import goal_attraction
+from baselines.policies.dubins_pursuit import goal_attraction, steering_along
 from hav_env.compiled import kernel
 from hav_env.maths.elementary import atan2, exp, sincos
 from hav_env.maths.geometry import clip
@@ -183,18 +183,9 @@ def _attract(policy, memory, world, agent):
     for lane in range(world.lanes):
         known, _, _, curvature, _ = route_ahead(world, agent, lane)
         if known:
-            cosine, sine = _steer_along(world, agent, lane, curvature)
+            sine, cosine = sincos(steering_along(world, agent, lane, curvature))
             memory[agent, VECTOR_FORWARD, lane] = policy.guided_pull * cosine
             memory[agent, VECTOR_LEFT, lane] = policy.guided_pull * sine
-
-
-@kernel
-def _steer_along(world, agent, lane, curvature):
-    """Return cosine and sine of the steering angle that follows a curvature [1/m]."""
-    _, steering_max, _ = limits(world, agent, lane)
-    wanted = atan2(curvature * unit_length(world, agent, 0, lane), 1.0)
-    sine, cosine = sincos(clip(wanted, -steering_max, steering_max))
-    return cosine, sine
 
 
 @kernel

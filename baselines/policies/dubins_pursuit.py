@@ -1,19 +1,29 @@
 """This module is the Dubins pursuit, the paper's Algorithm 1 as a policy.
 
-It is goal attraction alone, and ignores trailers and neighbours.
+It is goal attraction alone, and ignores trailers and neighbours. Where the guidance has a route, it
+keeps to the route instead.
 """
 
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
 from hav_env.maths.dubins import shortest_path_towards, turns
+from hav_env.maths.elementary import atan2
+from hav_env.maths.geometry import clip
 from hav_env.models.quantities import Distance, Factor
 from hav_env.policies.interface import act
-from hav_env.world.sensing import goal_direction, goal_pose, limits, stable_radius, unit_length
+from hav_env.world.sensing import (
+    goal_direction,
+    goal_pose,
+    limits,
+    route_ahead,
+    stable_radius,
+    unit_length,
+)
 
 
 class DubinsPursuit(NamedTuple):
-    """Follow the shortest Dubins path to the goal, without regard to trailers and other HAVs."""
+    """Follow the shortest Dubins path, or a route, without regard to trailers and other HAVs."""
 
     close_factor: Factor = 3.5
     """Distance in truck lengths that counts as "close to goal"; see ``AvoidJack.close_factor``."""
@@ -23,10 +33,21 @@ class DubinsPursuit(NamedTuple):
 
 @act.register(DubinsPursuit)
 def pursue(policy, memory, world, agent, lane):
-    """Drive at full speed along the goal attraction."""
+    """Drive at full speed along the route of the guidance, or else along the goal attraction."""
     speed, steering_max, _ = limits(world, agent, lane)
+    known, _, _, curvature, _ = route_ahead(world, agent, lane)
+    if known:
+        return speed, steering_along(world, agent, lane, curvature)
     side = goal_attraction(policy.close_factor, policy.straight_below, world, agent, lane)
     return speed, side * steering_max
+
+
+@kernel
+def steering_along(world, agent, lane, curvature):
+    """Return the steering angle [rad] within the limit that follows a curvature [1/m]."""
+    _, steering_max, _ = limits(world, agent, lane)
+    wanted = atan2(curvature * unit_length(world, agent, 0, lane), 1.0)
+    return clip(wanted, -steering_max, steering_max)
 
 
 @kernel

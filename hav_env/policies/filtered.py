@@ -70,7 +70,8 @@ def filter_policy(
         TypeError, ValueError: If ``safety`` is none of these.
     """
     made = make_safety(safety)
-    filtered, backed = isinstance(made, SafetyFilter), not isinstance(backup, NoBackup)
+    filtered = isinstance(made, SafetyFilter)
+    backed = not isinstance(backup, NoBackup | type(policy))  # a policy needs no backup by itself
     if not filtered and not backed:
         return policy
     own = policy if isinstance(policy, Filtered) else Filtered(policy, Unfiltered())
