@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from hav_env import Batch, Task
+from baselines.policies.dubins_pursuit import DubinsPursuit
+from hav_env import Batch, Task, sensing
 from hav_env.evaluation.rollout import rollout
 from hav_env.guidance import Lattice
 from hav_env.policies.driver import PolicyDriver
+from hav_env.policies.interface import allocate_memory, decide
 from hav_env.simulator import guiding
 from hav_env.vehicles import OffAxle
 from hav_env.world.arrays import HIT_STEP, PATH
@@ -40,6 +42,30 @@ def test_more_goals_are_hit_on_routes_than_without(monkeypatch):
     assert alone["goal_1_hit"].to_numpy().mean() < 0.2
     # both record the Dubins path, through the wall
     assert guided["goal_1_dubins_length"].equals(alone["goal_1_dubins_length"])
+
+
+@pytest.mark.exhaustive
+def test_dubins_pursuit_steers_along_the_route_and_else_as_without_guidance():
+    """The steering angle turns the truck's path by the curvature of the route, within its limit."""
+    batch = Batch(yard(), EPISODES, TASK, VEHICLE, guidance=LATTICE)
+    batch.reset(0)
+    worlds, bare = batch.worlds, Batch(yard(), EPISODES, TASK, VEHICLE)
+    bare.reset(0)
+    decisions = [
+        decide(DubinsPursuit(), allocate_memory(DubinsPursuit(), 1, EPISODES), one)
+        for one in (batch, bare)
+    ]
+    (speed, steering), (_, alone) = decisions
+    guided = 0
+    for lane in range(EPISODES):
+        known, _, _, curvature, _ = sensing.route_ahead(worlds, 0, lane)
+        expected = np.arctan(curvature * worlds.fleet.length[0, 0, lane])
+        fastest, most, _ = sensing.limits(worlds, 0, lane)
+        expected = np.clip(expected, -most, most) if known else alone[0, lane]
+        assert speed[0, lane] == fastest
+        assert steering[0, lane] == pytest.approx(expected, abs=1e-12)
+        guided += known
+    assert guided > EPISODES // 2
 
 
 @pytest.mark.exhaustive

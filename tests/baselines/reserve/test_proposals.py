@@ -9,10 +9,11 @@ from baselines.policies.reserve import Reserve
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import states
 from baselines.replay.reserved_outlines import reserved_outline
-from hav_env import Batch, Filtered, RandomPoses, act, find_scenario, memory_size
+from hav_env import Batch, Filtered, OnAxle, RandomPoses, Task, act, find_scenario, memory_size
 from hav_env.maths.kdop import SIDES
 from hav_env.policies.backup import check_backup
 from hav_env.policies.driver import PolicyDriver
+from hav_env.policies.filtered import filter_policy
 from hav_env.policies.interface import allocate_memory, check_policy
 from hav_env.safety import Unfiltered
 from tests.support.audit import Audit
@@ -99,6 +100,13 @@ def test_who_may_not_be_combined_is_refused_in_a_line():
     ):
         with pytest.raises(ValueError, match=said):
             check_policy(policy, scenario)
+
+
+def test_a_policy_that_is_the_backup_drives_by_itself():
+    backup = Reserve(dt=0.1)
+    assert filter_policy(Reserve(), None, Task(), OnAxle(), backup) == Reserve()
+    proposed = filter_policy(Told(), None, Task(), OnAxle(), backup)
+    assert (proposed.policy, proposed.backup) == (Told(), backup)
 
 
 @pytest.mark.parametrize(
