@@ -24,7 +24,7 @@ from hav_env.models.annotations import kinds_of, split_range
 
 _log = logging.getLogger(__name__)
 _SILENT_SECONDS = 1.0  # compilations shorter than that are not announced
-_PER_SECOND = 2_000.0  # bytes of bytecode compiled per second
+_PER_SECOND = 2_700.0  # bytes of bytecode compiled per second
 _ALLOCATIONS = 200_000  # between collections of garbage while Numba compiles
 
 
@@ -140,7 +140,7 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
 def _rare_collection() -> Iterator[None]:
     """Collect cyclic garbage rarely, because Numba keeps most of its objects until it has compiled.
 
-    Python's usual collections would visit them again and again, for a fifth of the time.
+    Python's usual collections would visit them again and again, for a seventh of the time.
     """
     usual = gc.get_threshold()
     if usual[0]:  # zero turns collections off
