@@ -102,7 +102,8 @@ def wilson(successes: int, size: int, design_effect: float = 1.0) -> Interval:
     share, spread = successes / size, _Z * _Z / effective
     centre = (share + spread / 2) / (1 + spread)
     half = _Z * math.sqrt(share * (1 - share) / effective + spread / effective / 4) / (1 + spread)
-    low, high = max(centre - half, 0.0), min(centre + half, 1.0)
+    low = 0.0 if successes == 0 else centre - half  # exact, where rounding errors would remain
+    high = 1.0 if successes == size else centre + half
     return Interval(share, low, high, size, design_effect)
 
 

@@ -14,6 +14,12 @@ def test_wilson_interval_is_scipys(successes, size):
     assert (ours.low, ours.high) == pytest.approx((theirs.low, theirs.high), abs=1e-12)
 
 
+@pytest.mark.parametrize("size", [1, 7, 1000, 4096])
+def test_an_interval_of_none_begins_at_0_and_of_all_ends_at_1(size):
+    assert wilson(0, size).low == 0.0 < wilson(0, size).high < 1.0
+    assert wilson(size, size, 2.5).high == 1.0 > wilson(size, size, 2.5).low > 0.0
+
+
 def test_proportions_agree_is_reflexive_symmetric_and_tells_far_ones_apart():
     near, same, far = wilson(500, 1000), wilson(505, 1000), wilson(600, 1000)
     assert proportions_agree(near, near)
