@@ -87,11 +87,15 @@ const bounds = (() => {
 
 function fit() {
   const [left, right, low, high] = bounds;
-  view.x = (left + right) / 2;
-  view.y = (low + high) / 2;
-  const room = (size) => Math.max(size - 2 * clip(0.07 * size, 12, 56), 20);
+  const margin = (size) => clip(0.07 * size, 12, 56);
+  // on narrow screens the check boxes are below the buttons, and must cover nothing
+  const boxes = find("layers").getBoundingClientRect().bottom - plane.getBoundingClientRect().top;
+  const below = margin(view.height), above = Math.max(below, boxes + 6);
   view.scale = Math.min(
-    room(view.width) / (right - left), room(view.height) / (high - low), 40);
+    Math.max(view.width - 2 * margin(view.width), 20) / (right - left),
+    Math.max(view.height - above - below, 20) / (high - low), 40);
+  view.x = (left + right) / 2;
+  view.y = (low + high) / 2 + (above - below) / 2 / view.scale;
   view.fitted = true;
   refresh();
 }
