@@ -68,7 +68,7 @@ def read_options(
     for word in arguments:
         if word.startswith("--policy.") and "policy" not in own_names:
             message = "needs a command with one policy, which has options; a trained one has none"
-            raise ValueError(f"{word} {message}")
+            raise ValueError(f"{word} {message}. In Python, hav_env.evaluate compares all")
     own = []
     for name, kind, *rest in fields:
         described = Annotated[kind, tyro.conf.arg(help=rest[1])] if len(rest) == 2 else kind

@@ -121,7 +121,7 @@ def _(policy: AvoidJack, scenario) -> None:
     limit = scenario.articulation_max
     if not policy.beta < limit:  # eq. (16) would allow no speed
         rule = f"must be below {limit:.6g}, the least limit of the vehicles' articulations"
-        advice = f"choose {5 / 6 * limit:.4g}, 5/6 of it as in the paper"
+        advice = f"in the paper it is 5/6 of the limit, here {5 / 6 * limit:.4g}"
         raise ValueError(f"policy beta is {policy.beta}, but {rule}: {advice}")
 
 

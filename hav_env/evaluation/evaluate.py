@@ -8,6 +8,7 @@ import pyarrow as pa
 
 from hav_env.evaluation.comparison import compare, compare_differences
 from hav_env.evaluation.rollout import rollout
+from hav_env.models.annotations import show, values_of
 from hav_env.models.protocols import Policy, Scenario, Vehicle
 from hav_env.places import Site
 from hav_env.policies.names import make_policy
@@ -20,6 +21,7 @@ from hav_env.world.task import Task
 USUAL_SCENARIO = "paper-single"
 """The scenario of evaluations that name none."""
 _USUAL_EPISODES = 1_000
+_LONGEST_NAME = 50  # characters of a policy with its parameters, above a column
 
 
 def usual_episodes(scenario: Scenario) -> int:
@@ -101,5 +103,17 @@ def evaluate(
     numbers = np.arange(usual_episodes(chosen) if episodes is None else episodes)
     models = task, vehicle, threads, guidance
     tables = [rollout(policy, chosen, seed, numbers, *models) for policy in made]
-    names = [p if isinstance(p, str) else type(p).__name__ for p in policies]
-    return Evaluation(names, tables, task.dt)
+    return Evaluation([_name_of(policy) for policy in policies], tables, task.dt)
+
+
+def _name_of(policy: Any) -> str:
+    """Return the name of a policy for a table, with the parameters that are not its defaults."""
+    if isinstance(policy, str | os.PathLike):
+        return os.fspath(policy)
+    if isinstance(policy, type):
+        return policy.__name__
+    usual = getattr(type(policy), "_field_defaults", {})
+    own = [(k, v) for k, v in values_of(policy).items() if not (k in usual and usual[k] is v)]
+    changed = [f"{k}={show(v)}" for k, v in own if k not in usual or show(usual[k]) != show(v)]
+    text = f"{type(policy).__name__}({', '.join(changed)})" if changed else ""
+    return text if 0 < len(text) <= _LONGEST_NAME else type(policy).__name__

@@ -117,7 +117,7 @@ class DecisionProcess:
         try_reward(reward)
         check_value("frame_skip", Skipped, frame_skip)
         check_value("info", Reports, info)
-        task = set_rules(task, **rules)
+        task = set_rules(task, (*Settings.__annotations__, "max_cycles"), **rules)
         check_at_once(task)
         self.safety = make_safety(safety)
         check_safety(self.safety, task, vehicle)

@@ -1,6 +1,7 @@
 """This module states the rules of an episode: clock, goal tolerances, ends, sensing."""
 
 import math
+from collections.abc import Iterable
 from typing import Literal, NamedTuple
 
 from hav_env.compiled import kernel
@@ -14,6 +15,7 @@ from hav_env.models.quantities import (
     Steps,
     Tolerance,
 )
+from hav_env.models.text import suggest
 
 # compiled code sees the index of a word among the allowed ones
 ALONE = IN_TURN = REMOVE = END = 1
@@ -99,8 +101,13 @@ def _(task: Task) -> None:
     require(not both, "task", task, "record_every", "1 where continuous_collisions is on")
 
 
-def set_rules(task: Task, **rules) -> Task:
+def set_rules(task: Task, others: Iterable[str] = (), /, **rules) -> Task:
     """Return the task with other rules, checked: ``set_rules(Task(), on_goal="remove")``.
+
+    Args:
+        task: The task.
+        others: Names of other arguments that a user may have meant, for the message.
+        rules: Rules to replace.
 
     Raises:
         TypeError: If this is not a task, a rule does not exist, or a value has another type.
@@ -109,7 +116,9 @@ def set_rules(task: Task, **rules) -> Task:
     check_value("task", Task, task)
     unknown = sorted(set(rules) - set(Task._fields))
     if unknown:
-        raise TypeError(f"unknown argument {unknown[0]!r}; rules are: {', '.join(Task._fields)}")
+        near = suggest(unknown[0], [*others, *Task._fields])
+        told = f"unknown argument {unknown[0]!r}{near}"
+        raise TypeError(f"{told}; rules are: {', '.join(Task._fields)}")
     task = task._replace(**rules)
     check_task(task)
     return task

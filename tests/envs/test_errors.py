@@ -48,6 +48,8 @@ SETTINGS = [
     ({"threads": 1.5}, (TypeError, ValueError), "threads is 1.5"),
     ({"task": Task(dt=-1.0)}, ValueError, "dt is -1.0"),
     ({"speed": 3}, TypeError, "unknown argument 'speed'"),
+    ({"max_cycle": 3}, TypeError, "did you mean 'max_cycles'"),
+    ({"scenari": "field-1"}, TypeError, "did you mean 'scenario'"),
     ({"observation": 3}, TypeError, "observation"),
     ({"task": {"dt": 0.1}}, TypeError, "task"),
     ({"vehicle": "car"}, ValueError, "unknown vehicle 'car'; known: on_axle"),

@@ -132,6 +132,27 @@ def test_mistakes_in_branches_loops_and_helpers_are_found_before_compiling(body,
 
 
 @pytest.mark.skipif(not COMPILED, reason="plain Python has nothing against it")
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("best = None if agent > 5 else [1.0]\n        return best[0], 0.0", "allocates memory"),
+        pytest.param(
+            "return np.interp(0.5, [0.0, 1.0], [0.0, policy.gain]), 0.0",
+            "cannot compile",
+            marks=pytest.mark.exhaustive,
+        ),
+    ],
+)
+def test_what_numba_refuses_is_the_users_line(body, told, mine, monkeypatch):
+    """The place is the user's, from any folder and even where Numba states no file of its own."""
+    monkeypatch.chdir("/")
+    policy = mine("act", ACT, body)
+    with pytest.raises(TypeError, match=told) as error:
+        rollout(policy, RandomPoses(), 0, np.arange(1), threads=1)
+    assert re.search(r"written_here.py, line (19|2\d)\)$", str(error.value))
+
+
+@pytest.mark.skipif(not COMPILED, reason="plain Python has nothing against it")
 def test_what_numba_refuses_is_one_line(mine):
     policy = mine("act", ACT, "return (1.0 if agent == 0 else [1.0][lane]), max(policy, key=abs)")
     with pytest.raises((TypeError, ValueError)) as error:

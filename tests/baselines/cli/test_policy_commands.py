@@ -101,7 +101,6 @@ def text(path):
             None,
             "known: avoid_jack, context, dubins_pursuit, ppo_beginner, ppo_guided, ppo_pair",
         ),
-        (["evaluate", "reserve", "--backup", "reserve"], None, "which broadcasts, but must not"),
     ],
 )
 def test_bad_input_is_one_line_and_an_exit_code(arguments, write, message, path, tmp_path, capsys):
