@@ -1,40 +1,12 @@
-"""This module names models with those parameters that differ from the defaults."""
+"""This module words the titles of tables: the parts of policies, and counts."""
 
 from collections.abc import Iterator
 from typing import Any
 
-from hav_env.models.annotations import is_model, show, values_of
 from hav_env.policies.backup import NoBackup
 from hav_env.policies.demands import guidance_of
 from hav_env.policies.filtered import Filtered
 from hav_env.safety import SafetyFilter
-
-
-def name_with_changes(name: str, model: Any, usual: Any) -> str:
-    """Return a name, followed by the parameters in which a model differs from the usual one."""
-    changes = ", ".join(changes_of(model, usual))
-    return f"{name} ({changes})" if changes else name
-
-
-def changes_of(model: Any, usual: Any, prefix: str = "") -> Iterator[str]:
-    """Yield ``field=value`` for each parameter in which a model differs from the usual one.
-
-    Args:
-        model: A NamedTuple or dataclass; its parts may be models too.
-        usual: The model to compare with.
-        prefix: Prefix of the names of the fields.
-    """
-    if model is usual:
-        return
-    if type(model) is not type(usual):
-        yield f"{prefix.rstrip('.')}={type(model).__name__}"
-        usual = type(model)()
-    for field, value in values_of(model).items():
-        other = values_of(usual)[field]
-        if is_model(value) and is_model(other):
-            yield from changes_of(value, other, f"{prefix}{field}.")
-        elif value is not other and show(value) != show(other):
-            yield f"{prefix}{field}={show(value, str)}"
 
 
 def parts_of(name: str, policy: Any, filtered: bool) -> Iterator[str]:

@@ -23,7 +23,7 @@ from baselines.cli.run_options import (
     take_vehicle,
 )
 from baselines.cli.tables import print_table
-from baselines.cli.titles import changes_of, count_of, name_with_changes, parts_of
+from baselines.cli.titles import count_of, parts_of
 from baselines.evaluation.executors import open_engine
 from baselines.evaluation.runs import Experiments, check_experiments, run_experiments
 from baselines.storage.atomic_files import write_text
@@ -39,6 +39,7 @@ from hav_env.evaluation.comparison import (
     tabulate_scores,
 )
 from hav_env.evaluation.evaluate import usual_episodes
+from hav_env.models.changes import changes_of, name_with_changes
 from hav_env.models.text import visible
 from hav_env.policies.filtered import filter_policy
 from hav_env.policies.names import POLICIES

@@ -12,12 +12,12 @@ from baselines.cli.run_options import (
     take_scenario,
     take_vehicle,
 )
-from baselines.cli.titles import name_with_changes
 from baselines.evaluation.runs import Experiments
 from baselines.replay import watch
 from baselines.replay.trajectory import cut_trajectory, record_trajectory
 from baselines.replay.trajectory_files import load_trajectory, save_trajectory
 from hav_env.cli.errors import report_errors
+from hav_env.models.changes import name_with_changes
 from hav_env.policies.filtered import filter_policy
 from hav_env.policies.names import POLICIES
 

@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from hav_env.evaluation.comparison import compare, compare_differences
 from hav_env.evaluation.rollout import rollout
-from hav_env.models.annotations import show, values_of
+from hav_env.models.changes import name_with_changes
 from hav_env.models.protocols import Policy, Scenario, Vehicle
 from hav_env.places import Site
 from hav_env.policies.names import make_policy
@@ -112,8 +112,9 @@ def _name_of(policy: Any) -> str:
         return os.fspath(policy)
     if isinstance(policy, type):
         return policy.__name__
-    usual = getattr(type(policy), "_field_defaults", {})
-    own = [(k, v) for k, v in values_of(policy).items() if not (k in usual and usual[k] is v)]
-    changed = [f"{k}={show(v)}" for k, v in own if k not in usual or show(usual[k]) != show(v)]
-    text = f"{type(policy).__name__}({', '.join(changed)})" if changed else ""
-    return text if 0 < len(text) <= _LONGEST_NAME else type(policy).__name__
+    name = type(policy).__name__
+    try:
+        text = name_with_changes(name, policy, type(policy)())
+    except TypeError:  # a parameter without a default
+        return name
+    return text if len(text) <= _LONGEST_NAME else name

@@ -6,8 +6,8 @@ import io
 import pytest
 
 from baselines.cli.tables import plain_table, print_table
-from baselines.cli.titles import changes_of, name_with_changes
 from hav_env import RandomFleet, RandomPoses
+from hav_env.models.changes import changes_of, name_with_changes
 
 ROWS = [["", *(f"policy {k}" for k in range(7))]] + [
     [name, *(f"{name[0]}{k} ± 1,000 steps" for k in range(7))] for name in ("hit", "missed, all")
