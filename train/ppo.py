@@ -85,7 +85,8 @@ class Run:
             "curve": self.curve,
             **versions(),
         }
-        save_policy(self.policy(), self.arguments.output / name, about, self.arguments.safety)
+        behind = self.arguments.safety, self.arguments.backup
+        save_policy(self.policy(), self.arguments.output / name, about, *behind)
 
     def write_checkpoint(self) -> None:
         """Write the checkpoint of the current state."""

@@ -5,6 +5,7 @@ import pathlib
 import numpy as np
 import pyarrow as pa
 
+from baselines.cli.run_options import backup_of
 from baselines.policies.files import load_trained, save_policy
 from baselines.policies.network import Network
 from hav_env.evaluation.comparison import figures_of, measure
@@ -41,12 +42,12 @@ def score(figures: dict[str, float]) -> float:
 
 def conclude(path: pathlib.Path, exercise: Exercise, episodes: int) -> dict[str, float]:
     """Score a policy on episodes that selected nothing; write the figures into its file."""
-    policy, about, safety = load_trained(path)
+    policy, about, *behind = load_trained(path)
     table = _roll(policy, exercise, SCORED, episodes)
     figures = _figures(table)
     first = table.select(["episode", "hav", "path_length", "largest_articulation"]).slice(0, 4)
     told = {"seed": SCORED, "episodes": episodes, "figures": figures, "first": first.to_pylist()}
-    save_policy(policy, path, about | {"evaluation": told}, safety)
+    save_policy(policy, path, about | {"evaluation": told}, *behind)
     return figures
 
 
@@ -64,9 +65,10 @@ def show_figures(figures: dict[str, float]) -> str:
 
 
 def _roll(policy: Network, exercise: Exercise, seed: int, episodes: int) -> pa.Table:
-    """Run the first episodes of a seed, with the filter and the guidance of the training."""
+    """Run the first episodes of a seed, with filter, backup and guidance of the training."""
     vehicle, guidance = exercise.vehicle, exercise.guidance
-    driver = filter_policy(policy, exercise.safety, Task(), vehicle)
+    backup = backup_of(exercise.backup, Task())
+    driver = filter_policy(policy, exercise.safety, Task(), vehicle, backup)
     scenario, numbers = scenario_of(exercise.scenario), np.arange(episodes)
     return rollout(driver, scenario, seed, numbers, vehicle=vehicle, guidance=guidance)
 

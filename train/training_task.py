@@ -2,7 +2,7 @@
 
 from typing import Any, Literal, Protocol
 
-from baselines.cli.run_options import Safety
+from baselines.cli.run_options import Backup, Safety
 from hav_env import Observation, OnAxle, Reward, Task
 from hav_env.mdp.decision_process import Settings
 from hav_env.scenarios.presets import scenario_of
@@ -35,6 +35,10 @@ class Exercise(Protocol):
     @property
     def safety(self) -> Safety:
         """Events that the safety filter prevents, in training and in evaluations."""
+
+    @property
+    def backup(self) -> Backup:
+        """Name of the backup behind the policy, in training and in evaluations."""
 
     @property
     def guidance(self) -> str:
@@ -70,6 +74,7 @@ def settings_of(arguments: Exercise, threads: int | None = None) -> Settings:
         "observation": arguments.observation,
         "vehicle": arguments.vehicle,
         "safety": arguments.safety,
+        "backup": arguments.backup,
         "guidance": arguments.guidance,
         "reward": arguments.reward,
         "frame_skip": arguments.frame_skip,

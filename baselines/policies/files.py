@@ -16,14 +16,18 @@ from baselines.policies.network_checks import (
     split_columns,
 )
 from baselines.policies.pooling import Encoder, NoPooling
+from baselines.policies.reserve import Reserve
 from baselines.storage.archives import MOST_TEXT, one_line, read_archive
 from baselines.storage.atomic_files import whole_file
 from hav_env.observation import Observation, check_observation, name_columns
+from hav_env.policies.backup import NoBackup
 from hav_env.policies.filtered import Filtered
-from hav_env.safety import SAFETY, SafetyFilter, make_safety
+from hav_env.safety import SAFETY, Unfiltered, make_safety
 from hav_env.simulator.guiding import GUIDANCES
 
 SUFFIX = ".policy"
+BACKUPS = {"reserve": Reserve}
+"""The policies that can be the backup of a policy file, by name."""
 _KINDS = {"sizes": "i", "weights": "f", "mean": "f", "scale": "f", "layout": "U", "about": "U"}
 _MOST_POLICY_BYTES = 1 << 26  # of an uncompressed archive
 _MOST_NAMED = 8  # columns that a message lists
@@ -42,10 +46,16 @@ class Trained(NamedTuple):
     safety: str | None
     """Events that the safety filter prevented in training, one of ``hav_env.safety.SAFETY``; None
     without a filter."""
+    backup: str | None
+    """Name of the backup behind the policy in training, one of ``BACKUPS``; None without one."""
 
 
 def save_policy(
-    policy: Network, path: pathlib.Path, about: dict[str, Any], safety: str | None = None
+    policy: Network,
+    path: pathlib.Path,
+    about: dict[str, Any],
+    safety: str | None = None,
+    backup: str | None = None,
 ) -> None:
     """Write a policy to a file, whole or not at all.
 
@@ -54,6 +64,7 @@ def save_policy(
         path: Path of the file.
         about: Origin of the policy.
         safety: Events that its filter prevents; None without a filter.
+        backup: Name of the backup behind it; None without one.
 
     Raises:
         ValueError: If the name does not end with ``.policy``, or ``load_trained`` would reject the
@@ -74,6 +85,7 @@ def save_policy(
         "rectangles": policy.rectangles,
         "guidance": policy.guidance,
         "safety": safety,
+        "backup": backup,
     }
     pooling = policy.pooling
     if isinstance(pooling, Encoder):
@@ -96,10 +108,13 @@ def save_policy(
 
 
 def load_policy(path: str | pathlib.Path) -> Network | Filtered:
-    """Return the policy in a file, with its safety filter; see ``load_trained``."""
+    """Return the policy in a file, with its safety filter and backup; see ``load_trained``."""
     trained = load_trained(path)
     safety = make_safety(trained.safety)
-    return Filtered(trained.policy, safety) if isinstance(safety, SafetyFilter) else trained.policy
+    backup = BACKUPS[trained.backup]() if trained.backup else NoBackup()
+    if isinstance(safety, Unfiltered) and isinstance(backup, NoBackup):
+        return trained.policy
+    return Filtered(trained.policy, safety, backup=backup)
 
 
 def load_trained(path: str | pathlib.Path) -> Trained:
@@ -149,12 +164,13 @@ def load_trained(path: str | pathlib.Path) -> Trained:
             pooling=pooling,
         )
         safety = _word(layout, "safety", SAFETY)
+        backup = _word(layout, "backup", BACKUPS)
         check_network(policy)
     except Exception as error:  # a broken file may raise any error
         raise ValueError(f"{path} is no policy file, or a broken one: {one_line(error)}") from None
     if missing:
         raise ValueError(f"{path} observes what this version does not: {_list(missing)}")
-    return Trained(policy, about, safety)
+    return Trained(policy, about, safety, backup)
 
 
 def _read_encoder(

@@ -242,8 +242,7 @@ def parallel_env(
 
     Args:
         render_mode: (default None) None, "human" (window), "rgb_array" or "ansi" (a line of text).
-        max_cycles: (default None) number of actions after which an episode is truncated. None
-            leaves this to ``max_steps``, which counts steps of the simulator.
+        max_cycles: (default None) number of actions until truncation. None leaves it to max_steps.
         scenario: (default "paper-pair") start poses, goals and HAVs: a name, the path of a JSON
             file, ``module:Class`` or a model.
         num_havs: (default None) number of agents. None is the scenario's own number.
@@ -256,6 +255,7 @@ def parallel_env(
         reward: (default Reward()) terms and weights: a model, ``module:Class`` or a name.
         frame_skip: (default 1) number of steps of the simulator that an action lasts.
         safety: (default None) what a filter prevents: None, "jackknife", "collision" or "both".
+        backup: (default None) policy that drives where an action is unsafe: "reserve", a model.
         threads: (default None) number of threads. None is ``HAV_THREADS``, or all cores.
         info: (default "always") "ends" reports only at the end of an episode, which is faster.
         guidance: (default Dubins()) ways to goals: a model, "dubins", "lattice", "witness",

@@ -101,7 +101,7 @@ def _advance(
         last: World after the last of the range.
         task: Rules of the episode.
         vehicle: Vehicle model (kinematics).
-        safety: Safety filter of the commands.
+        safety: Safety filter of the commands, or ``Backed``.
         reward: Weights of the reward.
         observation: Observation settings, as ``settle`` returns them.
         worlds: Arrays of all worlds.
@@ -127,9 +127,8 @@ def _advance(
         if portion.opens:
             remove_arrived(task, world)
         for _ in range(portion.steps):
-            speed, steering = filter_commands(
-                safety, task, vehicle, world, block.command, block.filtered, block.trial
-            )
+            arrays = block.command, block.filtered, block.memory, block.trial
+            speed, steering = filter_commands(safety, task, vehicle, world, *arrays)
             step(task, vehicle, world, speed, steering)
         if portion.closes:
             for agent in range(controlled):

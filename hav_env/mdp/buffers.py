@@ -1,6 +1,6 @@
 """This module has the arrays of a decision process: outcomes and persistent buffers."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -57,6 +57,7 @@ class Buffers(NamedTuple):
     columns: np.ndarray  # (ranges, D, APART) float32
     scratch: Scratch  # scratch of observations, one range for each thread
     filtered: np.ndarray  # (2, N, W) the command after the safety filter, or (2, 0, W) without one
+    memory: np.ndarray  # (N, M, W) of the backup; M is 0 without one
     trial: np.ndarray  # (ranges, K, APART) scratch of the safety filter; K is 0 without one
 
 
@@ -73,7 +74,7 @@ def allocate_buffers(
     trial_rows: int,
     slots: int,
 ) -> Buffers:
-    """Return allocated buffers.
+    """Return allocated buffers, without the memory of a backup.
 
     Args:
         num_worlds: Number of worlds W.
@@ -97,6 +98,7 @@ def allocate_buffers(
             np.zeros((slots, CHAIN_ROWS, APART)),
         ),
         np.zeros((2, n if trial_rows > 0 else 0, w)),
+        np.zeros((n, 0, w)),
         np.zeros((slots, trial_rows, APART)),
     )
 
@@ -116,6 +118,7 @@ def buffers_from(buffers, start, slot):
             of_width(buffers.scratch.chain[slot], APART),
         ),
         lanes_from(buffers.filtered, start),
+        lanes_from(buffers.memory, start),
         of_width(buffers.trial[slot], APART),
     )
 
@@ -130,3 +133,15 @@ def outcome_from(outcome, start):
         lanes_from(outcome.terminated, start),
         lanes_from(outcome.truncated, start),
     )
+
+
+def name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
+    """Return the arrays in nested named tuples, under dotted names, except scratch."""
+    found: dict[str, np.ndarray] = {}
+    for name, part in parts.items():
+        if isinstance(part, np.ndarray) and not name.startswith(SCRATCH):
+            found[name] = part
+        elif hasattr(part, "_asdict"):
+            inner = {f"{name}.{field}": one for field, one in part._asdict().items()}
+            found |= name_arrays(inner)
+    return found

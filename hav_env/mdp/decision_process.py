@@ -11,7 +11,7 @@ from hav_env.compiled import VECTOR, Held, canonical, default_threads, share_out
 from hav_env.mdp.advance import Actions, advance_worlds, divide_action, observe_worlds
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.beginning import allocate_stage, begin_episodes
-from hav_env.mdp.buffers import SCRATCH, Outcome, allocate_buffers, outcome_layout, outcome_size
+from hav_env.mdp.buffers import Outcome, allocate_buffers, name_arrays, outcome_layout, outcome_size
 from hav_env.mdp.info import name_numbers
 from hav_env.mdp.reward import Reward, check_reward
 from hav_env.mdp.reward_trial import try_reward
@@ -20,6 +20,7 @@ from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.quantities import Skipped
 from hav_env.observation import Observation, check_observation, name_columns, settle
+from hav_env.policies.backed import check_controlled, memory_behind, put_behind
 from hav_env.policies.driver import PolicyDriver
 from hav_env.safety import Unfiltered, check_safety, make_safety, scratch_rows
 from hav_env.scenarios import segments_of
@@ -48,6 +49,7 @@ class Settings(TypedDict, total=False):
     reward: Any
     frame_skip: int
     safety: Any
+    backup: Any
     threads: int | None
     info: Reports
     guidance: Any
@@ -80,6 +82,7 @@ class DecisionProcess:
         reward: Any = Reward(),
         frame_skip: int = 1,
         safety: Any = None,
+        backup: Any = None,
         threads: int | None = None,
         info: Reports = "always",
         guidance: Any = Dubins(),
@@ -101,6 +104,7 @@ class DecisionProcess:
             reward: Reward of the learners: a model, its name or ``module:Class``.
             frame_skip: Number of simulator steps for which an action is held.
             safety: None, "jackknife", "collision", "both" or a ``SafetyFilter`` of all commands.
+            backup: Policy that takes or replaces the commands of the filter, or its name.
             threads: Number of threads; by default ``HAV_THREADS`` or all cores.
             info: "always" reports after every action; "ends" where episodes end, which is faster.
             guidance: Guidance (routes to the goals): a model or its name.
@@ -121,6 +125,7 @@ class DecisionProcess:
         check_at_once(task)
         self.safety = make_safety(safety)
         check_safety(self.safety, task, vehicle)
+        self._guard = put_behind(self.safety, backup, scenario, task, vehicle)
         self.batch = Batch(scenario, num_worlds, task, vehicle, threads, guidance)
         n, w = self.batch.scenario.num_havs, self.batch.num_worlds
         c = n if controlled is None else controlled
@@ -128,16 +133,18 @@ class DecisionProcess:
         self.frame_skip = int(frame_skip)
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
-        filtered = not isinstance(self.safety, Unfiltered)
+        check_controlled(self._guard, c, n)
+        filtered = not isinstance(self._guard, Unfiltered)
         self.info = name_numbers(reward, segments_of(scenario) > 0, filtered)
         size = outcome_size(c, len(self.columns), len(self.info))
         check_memory("num_worlds", w, (self.batch.bytes_per_world + size) * w)
         driver = None if others is None else PolicyDriver(others, self.batch, c)
         self._driver = driver if c < n else None  # the learner controls all HAVs
         self._reward = canonical(reward)
-        trial_rows = scratch_rows(self.safety, self.batch.worlds.units)
+        trial_rows = scratch_rows(self._guard, self.batch.worlds.units)
         sizes = n, c, len(reward), len(self.columns), trial_rows
-        self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR))
+        memory = memory_behind(self._guard, n, w)
+        self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR))._replace(memory=memory)
         self._compiled: dict[str, Any] = {}  # compiled entries by name
         self._held: tuple[Held, ...] = ()  # made at first use
         layout = outcome_layout(w, c, len(self.columns), len(self.info))
@@ -198,6 +205,7 @@ class DecisionProcess:
         self._begun[places] = self._all_begun = False
         if self._driver is not None:
             self._driver.forget(chosen)
+        self._buffers.memory[..., places] = 0.0
         batch = self.batch
         models = batch.scenario, batch.task, self.observation
         arrays = batch.worlds, self._buffers, outcome, self._stage
@@ -268,7 +276,7 @@ class DecisionProcess:
     def _hold(self) -> tuple[Held, ...]:
         """Return the constant arguments of every step, for each portion of an action."""
         batch, arrays = self.batch, (self.batch.worlds, self._buffers)
-        models = batch.task, batch.vehicle, canonical(self.safety), self._reward, self.observation
+        models = batch.task, batch.vehicle, canonical(self._guard), self._reward, self.observation
         self._held = tuple(Held(*models, *arrays, portion) for portion in self._portions)
         return self._held
 
@@ -276,8 +284,7 @@ class DecisionProcess:
         """Return the arrays that persist between actions, by name: worlds and buffers."""
         guidance = of_each_world(self.batch.worlds.guidance)
         worlds = self.batch.worlds._replace(guidance=guidance)
-        found = _name_arrays({"worlds": worlds, "buffers": self._buffers})
-        return {name: array for name, array in found.items() if not name.startswith(SCRATCH)}
+        return name_arrays({"worlds": worlds, "buffers": self._buffers})
 
     def outcome(self) -> Outcome:
         """Return an uninitialised ``Outcome``.
@@ -286,15 +293,3 @@ class DecisionProcess:
         """
         small: Any = (np.empty(shape, kind) for shape, kind in self._small)
         return Outcome(*self._recycler.arrays(), *small)
-
-
-def _name_arrays(parts: dict[str, Any]) -> dict[str, np.ndarray]:
-    """Return the arrays in nested named tuples, under dotted names."""
-    found: dict[str, np.ndarray] = {}
-    for name, part in parts.items():
-        if isinstance(part, np.ndarray):
-            found[name] = part
-        elif hasattr(part, "_asdict"):
-            inner = _name_arrays(part._asdict())
-            found |= {f"{name}.{field}": array for field, array in inner.items()}
-    return found

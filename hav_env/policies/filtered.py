@@ -3,13 +3,12 @@
 With a backup, another policy drives wherever a proposal would leave it no safe way on.
 """
 
-import re
 from typing import Any, NamedTuple
 
-from hav_env.compiled import canonical, generic
-from hav_env.models.annotations import show
+from hav_env.compiled import canonical, generic, kernel
 from hav_env.models.protocols import Scenario, Vehicle
-from hav_env.policies.backup import NoBackup, back_up, backup_rows, check_backup
+from hav_env.policies.backed import check_as_backup, check_behind, judge
+from hav_env.policies.backup import NoBackup, backup_rows
 from hav_env.policies.demands import bind, guidance_of, wants_adjacent_memory
 from hav_env.policies.interface import (
     act_lanes,
@@ -25,12 +24,9 @@ from hav_env.safety import (
     SafetyFilter,
     Unfiltered,
     check_safety,
-    keep_safe,
     make_safety,
     scratch_rows,
 )
-from hav_env.safety.trial_moves import ASKED_SPEED, ASKED_STEERING
-from hav_env.world.arrays import INTERVENTIONS
 from hav_env.world.task import Task
 
 MOST_FILTERED_TRAILERS = 10
@@ -111,50 +107,27 @@ def propose_and_filter(policy, memory, world, agent, speed, steering):
 
 @generic
 def _propose(backup, policy, memory, world, agent, speed, steering):
-    """Write the filtered decisions for a HAV, after the judgement of a backup."""
+    """Write the decisions for a HAV, after the filter and the judgement of a backup."""
 
 
 @_propose.register(NoBackup)
 def _propose_alone(backup, policy, memory, world, agent, speed, steering):
     act_lanes(policy.policy, memory, world, agent, speed, steering)
-    rows = memory[agent, memory.shape[1] - _TRIAL_ROWS :]
-    _filter(policy.safety, policy, world, agent, speed, steering, rows)
+    _judge(policy, memory, memory, world, agent, speed, steering)
 
 
 @_propose.otherwise
 def _propose_to_backup(backup, policy, memory, world, agent, speed, steering):
     own = memory[:, backup_rows(backup) :]
     act_lanes(policy.policy, own, world, agent, speed, steering)
+    _judge(policy, memory, own, world, agent, speed, steering)
+
+
+@kernel
+def _judge(policy, memory, own, world, agent, speed, steering):
     rows = own[agent, own.shape[1] - _TRIAL_ROWS :]
-    _filter(policy.safety, policy, world, agent, speed, steering, rows)
-    for lane in range(world.lanes):
-        if not world.state.waiting[agent, lane]:
-            proposed = speed[agent, lane], steering[agent, lane]
-            changed = (proposed[0] != rows[ASKED_SPEED, lane]) | (
-                proposed[1] != rows[ASKED_STEERING, lane]
-            )
-            taken, speed[agent, lane], steering[agent, lane] = back_up(
-                backup, memory, world, agent, lane, *proposed
-            )
-            # the filter has counted its own changes
-            world.record.total[agent, INTERVENTIONS, lane] += 0.0 if taken or changed else 1.0
-
-
-@generic
-def _filter(safety, policy, world, agent, speed, steering, rows):
-    """Filter the proposals for a HAV, and keep them as they were in the rows ``ASKED_...``."""
-
-
-@_filter.register(Unfiltered)
-def _keep_asked(safety, policy, world, agent, speed, steering, rows):
-    for lane in range(world.lanes):
-        rows[ASKED_SPEED, lane] = speed[agent, lane]
-        rows[ASKED_STEERING, lane] = steering[agent, lane]
-
-
-@_filter.register(SafetyFilter)
-def _keep_safe(safety, policy, world, agent, speed, steering, rows):
-    keep_safe(safety, policy.task, policy.vehicle, world, agent, speed, steering, rows)
+    safety, task, vehicle = policy.safety, policy.task, policy.vehicle
+    judge(policy.backup, safety, task, vehicle, memory, world, agent, speed, steering, rows)
 
 
 @memory_size.register
@@ -207,13 +180,7 @@ def _(policy: Filtered, scenario: Scenario) -> None:
         )
     if isinstance(policy.backup, NoBackup):
         return
-    if type(policy.backup) not in back_up.table:
-        raise ValueError(
-            f"policy backup is {show(policy.backup)}, but must be a policy that registers back_up"
-        )
-    rows, size = backup_rows(policy.backup), memory_size(policy.backup)
-    if rows != size:
-        raise ValueError(f"policy backup has backup_rows {rows}, but must have memory_size, {size}")
+    check_as_backup(policy.backup)
     if broadcast_size(policy.policy) > 0:
         name = type(policy.policy).__name__
         raise ValueError(f"policy is {name}, which broadcasts, but must not where a backup does")
@@ -232,8 +199,4 @@ def _(policy: Filtered, scenario: Scenario, task: Task, vehicle: Vehicle) -> Non
     check_safety(policy.safety, task, vehicle)
     check_policy(policy.policy, scenario, task, vehicle)
     if not isinstance(policy.backup, NoBackup):
-        try:
-            check_policy(policy.backup, scenario, task, vehicle)
-        except ValueError as error:  # its parameters are not those of the policy
-            raise ValueError(re.sub("^policy ", "backup ", str(error))) from None
-        check_backup(policy.backup, scenario)
+        check_behind(policy.backup, scenario, task, vehicle)

@@ -27,7 +27,7 @@ def scratch_rows(safety, units: int) -> int:
 
 
 @generic
-def filter_commands(safety, task, vehicle, world, command, filtered, rows):
+def filter_commands(safety, task, vehicle, world, command, filtered, memory, rows):
     """Return speeds [m/s] and steering angles [rad] of all HAVs of a block, (N, W) each.
 
     Args:
@@ -37,17 +37,18 @@ def filter_commands(safety, task, vehicle, world, command, filtered, rows):
         world: Block of worlds.
         command: (2, N, W) commanded speed and steering; they do not change.
         filtered: (2, N, W) to write, empty without a filter.
+        memory: (N, K, W) of a backup behind the filter, empty without one.
         rows: (``scratch_rows``, W) scratch.
     """
 
 
 @filter_commands.register(Unfiltered)
-def _pass_on(safety, task, vehicle, world, command, filtered, rows):
+def _pass_on(safety, task, vehicle, world, command, filtered, memory, rows):
     return command[0], command[1]
 
 
 @filter_commands.register(SafetyFilter)
-def _filter_all(safety, task, vehicle, world, command, filtered, rows):
+def _filter_all(safety, task, vehicle, world, command, filtered, memory, rows):
     speed, steering = filtered[0], filtered[1]
     for hav in range(world.state.x.shape[0]):
         agent = fixed(hav)

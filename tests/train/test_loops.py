@@ -171,8 +171,11 @@ def test_a_critic_sees_the_states_of_the_worlds_of_its_havs(tmp_path):
     [
         (ippo, {"scenario": "paper-single"}),
         (mappo, {"scenario": "paper-pair", "worlds": 4, "hold_noise": 3}),
+        pytest.param(
+            ippo, {"scenario": "paper-pair", "backup": "reserve"}, marks=pytest.mark.exhaustive
+        ),
     ],
-    ids=["ippo", "mappo"],
+    ids=["ippo", "mappo", "backed"],
 )
 def test_a_run_writes_a_file_that_drives(module, changes, tmp_path, capsys):
     folder = tmp_path / "run"

@@ -4,7 +4,7 @@ import dataclasses
 import pathlib
 from typing import Any, Literal
 
-from baselines.cli.run_options import Safety
+from baselines.cli.run_options import Backup, Safety
 from hav_env import Observation
 from hav_env.cli.options import parse_options
 from train import checks
@@ -76,6 +76,8 @@ class LoopArguments:
     vehicle: Any = VEHICLE
     safety: Safety = None
     """Events that the safety filter prevents, in training and in evaluations."""
+    backup: Backup = None
+    """Policy that drives where an action would leave it no safe way on: reserve."""
     guidance: str = "dubins"
     """Guidance to the goals: dubins, witness, lattice, roads or feasible."""
     on_collision: Literal["record", "end"] = "end"

@@ -89,9 +89,9 @@ class Record:
             "curve": self.curve,
             **versions(),
         }
-        save_policy(policy, told.output / "last.policy", about, told.safety)
+        save_policy(policy, told.output / "last.policy", about, told.safety, told.backup)
         if row["score"] > best:
-            save_policy(policy, told.output / "best.policy", about, told.safety)
+            save_policy(policy, told.output / "best.policy", about, told.safety, told.backup)
 
     def conclude(self) -> str:
         """Score the best policy on episodes that chose nothing; return the figures as text."""

@@ -4,7 +4,7 @@ import dataclasses
 import pathlib
 from typing import Any, Literal
 
-from baselines.cli.run_options import Safety
+from baselines.cli.run_options import Backup, Safety
 from hav_env import Observation
 from train import checks
 from train.curriculum import Curriculum
@@ -61,6 +61,8 @@ class Arguments:
     """Kinematics of the HAVs."""
     safety: Safety = None
     """Events that the safety filter prevents, in training and in evaluations."""
+    backup: Backup = None
+    """Policy that drives where an action would leave it no safe way on: reserve."""
     guidance: str = "dubins"
     """Guidance to the goals: dubins, witness, lattice, roads or feasible."""
     on_collision: Literal["record", "end"] = "end"

@@ -106,9 +106,9 @@ class Run:
             "curve": self.curve,
             **versions(),
         }
-        save_policy(policy, told.output / "last.policy", about)
+        save_policy(policy, told.output / "last.policy", about, told.safety, told.backup)
         if self.curve[-1]["score"] > best:
-            save_policy(policy, told.output / "best.policy", about)
+            save_policy(policy, told.output / "best.policy", about, told.safety, told.backup)
 
 
 def read_arguments(words: list[str]) -> Arguments:

@@ -4,7 +4,7 @@ import dataclasses
 import pathlib
 from typing import Any, Literal
 
-from baselines.cli.run_options import Safety
+from baselines.cli.run_options import Backup, Safety
 from hav_env import Observation, SiteReward
 from hav_env.vehicles import VEHICLES
 from train import checks
@@ -77,6 +77,8 @@ class Arguments:
     vehicle: Any = VEHICLE
     safety: Safety = None
     """Events that the safety filter prevents, in training and in evaluations."""
+    backup: Backup = None
+    """Policy that drives where an action would leave it no safe way on: reserve."""
     guidance: str = "dubins"
     """Guidance to the goals: dubins, witness, lattice, roads or feasible."""
     on_collision: Literal["record", "end"] = "end"

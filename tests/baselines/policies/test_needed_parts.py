@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from baselines.cli.titles import parts_of
-from baselines.policies.files import load_policy, save_policy
+from baselines.policies.files import load_policy, load_trained, save_policy
+from baselines.policies.reserve import Reserve
 from hav_env import Batch, Filtered, Task, find_scenario
 from hav_env.evaluation.rollout import rollout
 from hav_env.policies.backup import NoBackup
 from hav_env.policies.driver import PolicyDriver
 from hav_env.policies.filtered import filter_policy
-from hav_env.safety import SafetyFilter
+from hav_env.safety import SafetyFilter, Unfiltered
 from hav_env.vehicles import OnAxle
 from tests.support.budgets import budget
 from tests.support.networks import random_network
@@ -35,6 +36,16 @@ def test_a_file_with_a_filter_is_a_filtered_policy_for_any_rules(path):
     found = rollout(policy, "paper-single", 0, episodes, TASK)
     stated = filter_policy(policy.policy, "jackknife", TASK, OnAxle())
     assert found.equals(rollout(stated, "paper-single", 0, episodes, TASK, guidance="feasible"))
+
+
+def test_a_file_keeps_the_backup_of_the_training(tmp_path):
+    file = tmp_path / "backed.policy"
+    for safety, made in ((None, Unfiltered()), ("jackknife", SafetyFilter("jackknife"))):
+        save_policy(random_network(4), file, {}, safety, "reserve")
+        policy = load_policy(file)
+        assert isinstance(policy, Filtered)
+        assert (policy.safety, policy.backup) == (made, Reserve())
+    assert load_trained(file).backup == "reserve"
 
 
 def test_another_filter_takes_the_place_of_that_of_the_file(path):

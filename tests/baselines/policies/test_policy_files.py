@@ -45,8 +45,8 @@ def test_a_policy_is_the_same_again(fields, chains, tmp_path):
     """Weights of single precision are kept exactly, and with them every action."""
     policy = random_network(3, **fields, chains=chains)
     save_policy(policy, tmp_path / "chance.policy", ABOUT)
-    loaded, about, safety = load_trained(tmp_path / "chance.policy")
-    assert (about, safety) == (ABOUT, None)
+    loaded, about, safety, backup = load_trained(tmp_path / "chance.policy")
+    assert (about, safety, backup) == (ABOUT, None, None)
     for field, value in policy._asdict().items():
         again = getattr(loaded, field)
         assert type(again) is type(value), field
@@ -100,7 +100,7 @@ def test_every_cut_and_every_flipped_byte_is_noticed(path):
             changed = bytes([whole[place] ^ flipped])
             broken.write_bytes(whole[:place] + changed + whole[place + 1 :])
             try:
-                again, about, _ = load_trained(broken)
+                again, about, *_ = load_trained(broken)
             except ValueError as error:
                 assert "broken.policy is no policy file, or a broken one: " in str(error)  # noqa: PT017
                 continue

@@ -1,0 +1,181 @@
+"""This module filters the commands of policies or learners, and lets a backup judge them."""
+
+import re
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hav_env.compiled import fixed, generic, lanes_from
+from hav_env.models.annotations import show
+from hav_env.models.protocols import Scenario, Vehicle
+from hav_env.policies.backup import NoBackup, back_up, backup_rows, check_backup
+from hav_env.policies.interface import allocate_memory, check_policy, memory_size
+from hav_env.policies.names import make_policy
+from hav_env.safety import SafetyFilter, Unfiltered, filter_commands, keep_safe
+from hav_env.safety.trial_moves import ASKED_SPEED, ASKED_STEERING
+from hav_env.world.arrays import INTERVENTIONS
+from hav_env.world.lanes import moving_block
+from hav_env.world.task import Task
+
+
+class Backed(NamedTuple):
+    """A safety filter with a backup behind it, for the commands of all HAVs of an environment."""
+
+    safety: SafetyFilter | Unfiltered
+    backup: Any
+
+
+def put_behind(
+    safety: SafetyFilter | Unfiltered, backup: Any, scenario: Scenario, task: Task, vehicle: Vehicle
+) -> SafetyFilter | Unfiltered | Backed:
+    """Return a filter with the backup that a user named or made, or the filter itself for None.
+
+    Raises:
+        TypeError: If the backup is neither a policy nor the name of one.
+        ValueError: If it cannot be a backup there; the message says why.
+    """
+    if backup is None:
+        return safety
+    made = make_policy(backup)
+    check_as_backup(made)
+    check_behind(made, scenario, task, vehicle)
+    return Backed(safety, made)
+
+
+def check_controlled(safety: Any, controlled: int, num_havs: int) -> None:
+    """Check that learners control all HAVs where a backup judges commands.
+
+    Raises:
+        ValueError: If others drive some of the HAVs.
+    """
+    if isinstance(safety, Backed) and controlled < num_havs:
+        name = type(safety.backup).__name__
+        raise ValueError(
+            f"backup is {name}, but must be None where learners control {controlled} of {num_havs}"
+            " HAVs: it has to judge the commands of all"
+        )
+
+
+def memory_behind(safety: Any, num_havs: int, num_worlds: int) -> np.ndarray:
+    """Return the memory (N, M, W) of the backup behind a filter; M is 0 without one."""
+    if isinstance(safety, Backed):
+        return allocate_memory(safety.backup, num_havs, num_worlds)
+    return np.zeros((num_havs, 0, num_worlds))
+
+
+def check_as_backup(backup: Any) -> None:
+    """Check that a policy registers all that a backup must.
+
+    Raises:
+        ValueError: If it does not.
+    """
+    if type(backup) not in back_up.table:
+        raise ValueError(f"backup is {show(backup)}, but must be a policy that registers back_up")
+    rows, size = backup_rows(backup), memory_size(backup)
+    if rows != size:
+        raise ValueError(f"backup has backup_rows {rows}, but must have memory_size, {size}")
+
+
+def check_behind(backup: Any, scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
+    """Check a backup against the scenario, the rules and the vehicle model of episodes.
+
+    Raises:
+        TypeError, ValueError: If its parameters do not suit them.
+    """
+    try:
+        check_policy(backup, scenario, task, vehicle)
+    except ValueError as error:  # its parameters are not those of the policy
+        raise ValueError(re.sub("^policy ", "backup ", str(error))) from None
+    check_backup(backup, scenario)
+
+
+@generic
+def judge(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
+    """Filter the commands of one HAV in every lane, then let a backup take or replace them.
+
+    Args:
+        backup: Backup, or ``NoBackup``.
+        safety: Safety filter, or ``Unfiltered``.
+        task: Rules of the episodes.
+        vehicle: Vehicle model (kinematics).
+        memory: (N, K, W); the first rows are the backup's.
+        world: Block of worlds, as ``moving_block`` makes it.
+        agent: Index of the HAV.
+        speed: (N, W) commands [m/s]; row ``agent`` is overwritten where they change.
+        steering: (N, W) commands [rad]; row ``agent`` is overwritten where they change.
+        rows: (``scratch_rows``, W) scratch of the filter.
+    """
+
+
+@judge.register(NoBackup)
+def _judge_by_filter(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
+    _filter(safety, task, vehicle, world, agent, speed, steering, rows)
+
+
+@judge.otherwise
+def _judge_by_both(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
+    _filter(safety, task, vehicle, world, agent, speed, steering, rows)
+    for lane in range(world.lanes):
+        if not world.state.waiting[agent, lane]:
+            proposed = speed[agent, lane], steering[agent, lane]
+            changed = _has_changed(safety, rows, lane, *proposed)
+            taken, speed[agent, lane], steering[agent, lane] = back_up(
+                backup, memory, world, agent, lane, *proposed
+            )
+            # the filter has counted its own changes
+            world.record.total[agent, INTERVENTIONS, lane] += 0.0 if taken or changed else 1.0
+
+
+@generic
+def _filter(safety, task, vehicle, world, agent, speed, steering, rows):
+    """Filter the commands of one HAV in every lane."""
+
+
+@_filter.register(Unfiltered)
+def _pass_on(safety, task, vehicle, world, agent, speed, steering, rows):
+    pass
+
+
+@_filter.register(SafetyFilter)
+def _keep_safe(safety, task, vehicle, world, agent, speed, steering, rows):
+    keep_safe(safety, task, vehicle, world, agent, speed, steering, rows)
+
+
+@generic
+def _has_changed(safety, rows, lane, speed, steering):
+    """Return whether the filter has changed a command."""
+
+
+@_has_changed.register(Unfiltered)
+def _never(safety, rows, lane, speed, steering):
+    return False
+
+
+@_has_changed.register(SafetyFilter)
+def _differs(safety, rows, lane, speed, steering):
+    return (speed != rows[ASKED_SPEED, lane]) | (steering != rows[ASKED_STEERING, lane])
+
+
+@filter_commands.register(Backed)
+def _judge_all(safety, task, vehicle, world, command, filtered, memory, rows):
+    speed, steering = filtered[0], filtered[1]
+    for hav in range(world.state.x.shape[0]):
+        agent = fixed(hav)
+        for lane in range(world.lanes):
+            speed[agent, lane] = command[0, agent, lane]
+            steering[agent, lane] = command[1, agent, lane]
+        moving = moving_block(world, agent)
+        first = moving.first - world.first
+        judge(
+            safety.backup,
+            safety.safety,
+            task,
+            vehicle,
+            lanes_from(memory, first),
+            moving,
+            agent,
+            lanes_from(speed, first),
+            lanes_from(steering, first),
+            lanes_from(rows, first),
+        )
+    return speed, steering
