@@ -3,6 +3,7 @@
 import ast
 import collections
 import importlib
+import json
 import pathlib
 import subprocess
 import sys
@@ -44,18 +45,40 @@ def test_no_file_is_long():
     assert not {path: n for path, n in lengths.items() if n > MOST_LINES}
 
 
+# Each folder is imported in a process of its own. All are forked from one that has imported what
+# takes long and is not of this project.
 ALONE = """
-import importlib, pkgutil, sys, types
-package, folder = {package!r}, {folder!r}
-root = types.ModuleType(package)  # without what its own __init__ imports
-root.__path__ = [{path!r}]
-sys.modules[package] = root
-found = importlib.import_module(f"{{package}}.{{folder}}")
-for module in pkgutil.walk_packages(getattr(found, "__path__", []), found.__name__ + "."):
-    # TorchRL and BenchMARL are in an environment of their own, where they are tested
-    if not module.name.endswith(("__main__", "envs.torchrl", "envs.benchmarl")):
-        importlib.import_module(module.name)
-print(*sorted({{name.split(".")[1] for name in sys.modules if name.startswith(package + ".")}}))
+import importlib, json, os, pkgutil, sys, types
+import matplotlib.pyplot, numba, numpy, pyarrow.parquet, scipy.integrate, stable_baselines3, tyro
+
+packages, root = json.loads(sys.argv[1]), sys.argv[2]
+assert not {name.partition(".")[0] for name in sys.modules} & {package for package, _ in packages}
+
+def import_alone(package, folder):
+    bare = types.ModuleType(package)  # without what its own __init__ imports
+    bare.__path__ = [f"{root}/{package}"]
+    sys.modules[package] = bare
+    found = importlib.import_module(f"{package}.{folder}")
+    below = [] if folder == "rllib" else getattr(found, "__path__", [])
+    for module in pkgutil.walk_packages(below, found.__name__ + "."):
+        # Ray, TorchRL and BenchMARL are in an environment of their own, where they are tested
+        if not module.name.endswith(("__main__", "envs.torchrl", "envs.benchmarl")):
+            importlib.import_module(module.name)
+    return sorted({name.split(".")[1] for name in sys.modules if name.startswith(package + ".")})
+
+for package, folder in packages:
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            print(json.dumps([package, folder, import_alone(package, folder)]), flush=True)
+            status = 0
+        except BaseException:
+            sys.excepthook(*sys.exc_info())
+        finally:
+            sys.stderr.flush()
+            os._exit(status)
+    os.waitpid(child, 0)
 """
 FOLDERS = [
     (package, folder)
@@ -66,21 +89,25 @@ FOLDERS = [
 ]
 
 
-@pytest.mark.parametrize(("package", "folder"), FOLDERS)
-def test_each_folder_is_imported_alone_and_knows_lower_floors_only(package, folder):
-    if folder in ("rllib", "cluster"):
-        pytest.importorskip("ray") if folder == "rllib" and sys.version_info < (3, 0) else None
-    code = ALONE.format(package=package, folder=folder, path=str(ROOT / package))
-    if folder == "rllib":  # Ray is in an environment of its own, where it is tested
-        code = code.replace("pkgutil.walk_packages(getattr", "pkgutil.walk_packages([] and getattr")
+@pytest.fixture(scope="module")
+def alone():
+    """Return the folders that each folder imports, and the errors of those that failed."""
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT
-    )
-    assert done.returncode == 0, done.stderr[-2_000:]
+        [sys.executable, "-c", ALONE, json.dumps(FOLDERS), str(ROOT)],
+        capture_output=True, text=True, check=True, cwd=ROOT,
+    )  # fmt: skip
+    found = [json.loads(line) for line in done.stdout.splitlines()]
+    return {(package, folder): names for package, folder, names in found}, done.stderr
+
+
+@pytest.mark.parametrize(("package", "folder"), FOLDERS)
+def test_each_folder_is_imported_alone_and_knows_lower_floors_only(package, folder, alone):
+    imported, errors = alone
+    assert (package, folder) in imported, errors[-2_000:]
     floors = floors_of(package)
     own = next(k for k, floor in enumerate(floors) if folder in floor)
     lower = {name for floor in floors[own + 1 :] for name in floor}
-    assert set(done.stdout.split()) <= lower | {folder}
+    assert set(imported[package, folder]) <= lower | {folder}
 
 
 def constants_in(path):
