@@ -79,7 +79,13 @@ def instructions(stage, *args):
 
 @pytest.mark.parametrize(
     "stage",
-    [move_havs, follow_commands, plan_routes, observe_routes, observe_havs, look_at_others],
+    [
+        *(move_havs, observe_routes),
+        *(
+            pytest.param(stage, marks=pytest.mark.exhaustive)
+            for stage in (follow_commands, plan_routes, observe_havs, look_at_others)
+        ),
+    ],
 )
 def test_what_is_left_over_of_vectors_is_all_that_is_done_lane_by_lane(stage, arrays):
     """Every loop has a vector part and one for the lanes left over, of the same instructions."""
@@ -99,6 +105,7 @@ def test_a_loop_that_asks_lane_by_lane_would_be_noticed(arrays):
     assert on_one > 1.25 * on_vectors
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("stage", [move_off_axle, look_at_others])
 def test_the_same_holds_for_hitches_and_rectangles(stage):
     process = DecisionProcess(64, vehicle=OffAxle(bodies=Rectangles()))

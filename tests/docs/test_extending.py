@@ -46,13 +46,8 @@ def test_each_kind_has_a_block():
 
 
 @pytest.mark.skipif(not COMPILED, reason="whole episodes")
-@pytest.mark.parametrize(
-    "block",
-    [
-        SCRIPTS[0],
-        *(pytest.param(block, marks=pytest.mark.exhaustive) for block in SCRIPTS[1:] + OTHERS),
-    ],
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("block", SCRIPTS + OTHERS)
 def test_the_blocks_run(block, folder):
     execute(block, folder)
 
@@ -64,6 +59,7 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_commands_run(command, folder, capsys, monkeypatch):
     monkeypatch.syspath_prepend(folder)

@@ -184,7 +184,15 @@ def test_after_the_end_nobody_acts_and_nothing_is_told():
     assert list(observations) == list(infos) == env.agents == ["hav_0", "hav_1"]
 
 
-@pytest.mark.parametrize("scenario", ["paper-single", "paper-pair", "crossing-8", "yard-4"])
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        "paper-single",
+        "paper-pair",
+        "crossing-8",
+        pytest.param("yard-4", marks=pytest.mark.exhaustive),
+    ],
+)
 def test_no_episode_is_over_when_it_begins(scenario):
     worlds = budget(1_000, 20)
     rules = dict.fromkeys(("on_collision", "on_jackknife"), "end")

@@ -39,7 +39,14 @@ CASES = {
     "explicit": (SWARM, {"scenario": side_by_side(2.0, 3.0), "on_goal": "remove", **EASY_TO_HIT}),
     "chains": (SWARM, SHORT | {"observation": Observation(neighbors=3, chains=True)}),
 }
-cases = pytest.mark.parametrize(("name", "settings"), list(CASES.values()), ids=CASES)
+LONG = ("yard", "column")  # code that few other tests compile
+cases = pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        pytest.param(*case, id=name, marks=[pytest.mark.exhaustive] if name in LONG else [])
+        for name, case in CASES.items()
+    ],
+)
 
 
 def single(name, settings):

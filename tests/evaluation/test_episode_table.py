@@ -9,7 +9,7 @@ import pytest
 from baselines.policies.avoid_jack import AvoidJack
 from baselines.policies.dubins_pursuit import DubinsPursuit
 from baselines.policies.random import Random
-from hav_env import Batch, OffAxle, PlacementError, RandomPoses
+from hav_env import Batch, OffAxle, PlacementError, RandomPoses, Rectangles
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.evaluation.rollout import rollout
 from hav_env.policies.interface import allocate_memory, check_policy, memory_size
@@ -129,7 +129,7 @@ def test_the_joint_position_metric_is_the_share_of_the_vehicle_ahead_of_the_join
 
 def test_hitches_off_the_axles_move_the_joints_of_a_vehicle():
     """Seen from the front axle of a straight HAV; behind the last one nothing is hitched."""
-    worlds = catalogue_like(OffAxle()).worlds
+    worlds = catalogue_like(OffAxle(bodies=Rectangles())).worlds
     worlds.fleet.joints.offset[0, 3:] = 7.0
     places = np.array([4.5 + 1.0, 8.0, 8.0 + 6.0 - 0.6])
     for joint in (1, 2, 3):

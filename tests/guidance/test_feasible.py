@@ -73,6 +73,7 @@ def batch():
     return begun()
 
 
+@pytest.mark.exhaustive
 def test_an_independent_chain_drives_each_route_within_its_limits_to_the_goal(batch):
     found = batch.worlds.guidance.route[0, ROUTE_DIRECT] == 0.0
     assert found.mean() > 0.9  # the others have the Dubins path that they can drive for good
@@ -83,6 +84,7 @@ def test_an_independent_chain_drives_each_route_within_its_limits_to_the_goal(ba
         assert off < TASK.heading_tolerance
 
 
+@pytest.mark.exhaustive
 def test_routes_are_shorter_than_dubins_paths_that_a_chain_drives_for_good(batch):
     worlds = batch.worlds
     dubins = [
@@ -94,6 +96,7 @@ def test_routes_are_shorter_than_dubins_paths_that_a_chain_drives_for_good(batch
     np.testing.assert_allclose(left, plans, atol=1e-9)
 
 
+@pytest.mark.exhaustive
 def test_a_hav_that_strays_plans_anew_from_where_it_stands_and_one_near_its_route_does_not(batch):
     worlds = begun(4).worlds
     state, route = worlds.state, worlds.guidance.route

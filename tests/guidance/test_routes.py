@@ -14,7 +14,7 @@ from hav_env.observation import SCRATCH_ROWS, Scratch, plan_route
 from hav_env.observation.route import PATH_COLUMNS, observe_route
 from hav_env.observation.scratch import LENGTH, TO_APPROACH, TO_GOAL, TURN, WHEELBASE
 from hav_env.scenarios.sites.field import Field
-from hav_env.vehicles import OffAxle
+from hav_env.vehicles import OffAxle, Rectangles
 from hav_env.world.arrays import DUBINS, STEERING
 from hav_env.world.place.guidance import (
     FROM_HEADING,
@@ -37,12 +37,13 @@ from tests.guidance.sites import drive, trace, turned
 from tests.guidance.yards import SITE, yard
 
 LATTICE = Lattice(cell=2.0, headings=24, clearance=1.5, widening=1.2)
+VEHICLE = OffAxle(bodies=Rectangles())
 STRIDE = 0.5  # [m]
 ROUNDED = 2.0 * 2.0 / 254.0  # [m], of poses of nodes, in two coordinates
 
 
 def batch_of(scenario, guidance, num_worlds=2):
-    batch = Batch(scenario, num_worlds, vehicle=OffAxle(), guidance=guidance, threads=1)
+    batch = Batch(scenario, num_worlds, vehicle=VEHICLE, guidance=guidance, threads=1)
     batch.reset(0)
     return batch
 
@@ -80,6 +81,7 @@ def drive_route(batch, w, most):
     return driven, gap, pose
 
 
+@pytest.mark.exhaustive
 def test_a_route_on_a_lattice_leads_to_the_goal_clear_of_walls_and_is_as_long_as_told():
     batch = batch_of(yard(), LATTICE, 4)
     for w in range(4):
@@ -101,6 +103,7 @@ def test_the_record_of_a_goal_holds_the_dubins_length_with_and_without_a_route()
     assert (recorded < batch.worlds.guidance.route[0, LEFT]).all()  # that leads round the wall
 
 
+@pytest.mark.exhaustive
 def test_columns_and_progress_read_the_route():
     batch = batch_of(yard(), LATTICE)
     worlds, scratch = batch.worlds, Scratch(np.zeros((SCRATCH_ROWS, 2), np.float32), np.zeros(0))
@@ -138,6 +141,7 @@ def test_the_steering_keeps_to_a_known_route_and_else_to_the_dubins_path(on, cur
     np.testing.assert_array_equal(seen[:, :, 1], alone[:, :, 1])
 
 
+@pytest.mark.exhaustive
 def test_where_no_lattice_leads_there_is_no_route():
     batch = batch_of(yard(), LATTICE)
     batch.worlds.guidance.table[:] = NO_TABLE
@@ -146,6 +150,7 @@ def test_where_no_lattice_leads_there_is_no_route():
     assert not route_ahead(batch.worlds, 0, 0)[0]
 
 
+@pytest.mark.exhaustive
 def test_a_truck_that_leaves_its_route_gets_another_one_from_where_it_stands():
     batch = batch_of(yard(), LATTICE)
     worlds = batch.worlds
@@ -156,6 +161,7 @@ def test_a_truck_that_leaves_its_route_gets_another_one_from_where_it_stands():
     assert math.hypot(route[FROM_X] - 20.0, route[FROM_Y] - 40.0) < 3.0 * LATTICE.cell
 
 
+@pytest.mark.exhaustive
 def test_beside_its_route_a_truck_is_steered_back_to_it():
     batch = batch_of(yard(), LATTICE)
     worlds, route = batch.worlds, batch.worlds.guidance.route[0, :, 0]
@@ -184,9 +190,9 @@ def test_witnesses_are_the_dubins_paths_from_goal_to_goal_of_a_field():
 
 
 def test_lattices_are_shared_and_worlds_pay_for_their_routes_alone():
-    batch = batch_of(yard(), LATTICE, 3)
+    batch = Batch(yard(), 3, vehicle=VEHICLE, guidance=LATTICE)
     guidance = batch.worlds.guidance
-    plain = Batch(yard(), 3, vehicle=OffAxle())
+    plain = Batch(yard(), 3, vehicle=VEHICLE)
     assert batch.bytes_per_world - plain.bytes_per_world == 8 * 13 + 2
     assert sum(part.nbytes for part in arrays_in(guidance.lattices)) > 8 * 40 * 40 * 24
     view = batch.world(1)
@@ -213,11 +219,11 @@ def test_by_default_there_is_no_guidance():
 )
 def test_what_cannot_guide_is_refused_in_one_line(scenario, guidance, error, told):
     with pytest.raises(error, match=re.escape(told)) as caught:
-        Batch(find_scenario(scenario), 2, vehicle=OffAxle(), guidance=guidance)
+        Batch(find_scenario(scenario), 2, vehicle=VEHICLE, guidance=guidance)
     assert "\n" not in str(caught.value)
 
 
 def test_lattices_that_do_not_fit_into_memory_are_refused(monkeypatch):
     monkeypatch.setattr("hav_env.models.memory.available_memory", lambda: 2**21)
     with pytest.raises(ValueError, match=r"number of .*lattice.* is .*, which takes"):
-        Batch(yard(), 1, vehicle=OffAxle(), guidance=LATTICE._replace(cell=0.5))
+        Batch(yard(), 1, vehicle=VEHICLE, guidance=LATTICE._replace(cell=0.5))

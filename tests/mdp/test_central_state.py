@@ -28,7 +28,9 @@ def test_entries_have_names_of_their_own_and_fill_the_space():
         assert len({name for name in places if name.startswith("hav_")}) == len(places) - 1
 
 
-@pytest.mark.parametrize("scenario", ["paper-pair", "swarm-10", "yard-4"])
+@pytest.mark.parametrize(
+    "scenario", ["paper-pair", "swarm-10", pytest.param("yard-4", marks=pytest.mark.exhaustive)]
+)
 def test_the_state_is_the_arrays_of_the_world(scenario):
     env, places = made(scenario=scenario, max_steps=100)
     worlds, rng = env._world.process.batch.worlds, np.random.default_rng(0)

@@ -226,6 +226,7 @@ def test_who_waits_gets_nothing():
     assert rewards_then[-30:] == [0.0] * 30
 
 
+@pytest.mark.exhaustive
 def test_a_reward_of_ones_own_is_told_under_the_names_of_its_terms():
     reward = Watched(remaining=-0.25)
     env = parallel_env(scenario=side_by_side(2.0, 90.0), reward=reward, frame_skip=3)

@@ -39,6 +39,7 @@ def rows(process, steps, seed=3):
         yield process.step(actions).observation
 
 
+@pytest.mark.exhaustive
 def test_they_are_the_state_over_the_limits_and_all_else_is_as_without_them():
     worlds = budget(20, 3)
     seeing, blind = (
@@ -61,6 +62,7 @@ def test_they_are_the_state_over_the_limits_and_all_else_is_as_without_them():
     assert min(rolled, turned) > budget(10, 0)
 
 
+@pytest.mark.exhaustive
 def test_neighbours_that_brake_at_their_goals_are_seen_at_their_speed():
     process = DecisionProcess(
         3, None, scenario=FAST, task=TASK, vehicle=VEHICLE, observation=Observation(**OTHERS)

@@ -16,6 +16,7 @@ from tests.support.budgets import budget
 from tests.support.worlds import wrapped
 
 RANGE = 60.0
+COLUMN = pytest.param("column-5", marks=pytest.mark.exhaustive)
 
 
 def scaled(distance):
@@ -196,7 +197,7 @@ class Witness:
 
 @pytest.mark.parametrize(("chains", "fronts"), [(False, False), (True, False), (True, True)])
 @pytest.mark.parametrize("neighbors", [0, 2, 9])
-@pytest.mark.parametrize("scenario", ["paper-single", "swarm-10", "crossing-8", "column-5"])
+@pytest.mark.parametrize("scenario", ["paper-single", "swarm-10", "crossing-8", COLUMN])
 def test_a_row_is_the_world_seen_from_its_hav(scenario, neighbors, chains, fronts):
     num_worlds = budget(3, 1)
     process = DecisionProcess(

@@ -99,7 +99,9 @@ def test_who_sticks_into_the_picture_is_drawn(worlds):
     assert 0 in viewer._in_sight(scene, np.arange(2))
 
 
-@pytest.mark.parametrize("bodies", [Lines(), Rectangles()])
+@pytest.mark.parametrize(
+    "bodies", [pytest.param(Lines(), marks=pytest.mark.exhaustive), Rectangles()]
+)
 def test_joints_are_drawn_at_the_hitches(bodies):
     worlds = catalogue_like(OffAxle(bodies=bodies)).worlds
     scene = scene_of(worlds, 0, 0.2)
@@ -111,7 +113,7 @@ def test_joints_are_drawn_at_the_hitches(bodies):
 
 
 def test_each_joint_has_the_colour_of_its_own_limit():
-    worlds = catalogue_like(OffAxle()).worlds
+    worlds = catalogue_like(OffAxle(bodies=Rectangles())).worlds
     bend = abs(worlds.state.heading[0, 2, 0] - worlds.state.heading[0, 1, 0])
     worlds.fleet.joints.limit[0, 2, 0] = 0.9 * bend  # that of the second joint alone
     scene = scene_of(worlds, 0, 0.2)

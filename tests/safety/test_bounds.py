@@ -66,6 +66,7 @@ def test_no_point_moves_farther_in_a_step_than_the_bound(vehicle):
     assert shares.max() > 0.5  # the bound is informative
 
 
+@pytest.mark.exhaustive
 def test_no_point_of_a_catalogue_vehicle_moves_farther_than_the_bound():
     fleet = catalogue_fleet(("baggage-train", "wb-67", "b-double"))
     vehicle = OffAxle(bodies=Rectangles())

@@ -162,9 +162,8 @@ def test_a_filtered_policy_drives_as_it_does_in_filtered_environments():
     assert info["interventions"].sum() > 0
 
 
-@pytest.mark.parametrize(
-    "policy", [pytest.param(DubinsPursuit(), marks=pytest.mark.exhaustive), AvoidJack()]
-)
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("policy", [DubinsPursuit(), AvoidJack()])
 def test_filtered_policies_neither_jackknife_nor_collide(policy):
     task = Task()
     audit = drive(

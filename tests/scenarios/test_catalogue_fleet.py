@@ -66,7 +66,7 @@ def test_what_follows_from_their_numbers_is_that_of_the_closed_forms(worlds):
 
 def test_weights_say_how_often_a_vehicle_is_drawn():
     fleet = catalogue_fleet(["wb-67", "tugger-train", "farm-train"], [6, 3, 1])
-    batch = Batch(RandomPoses(fleet=fleet), COUNT, vehicle=OffAxle())
+    batch = Batch(RandomPoses(fleet=fleet), COUNT, vehicle=OffAxle(bodies=Rectangles()))
     batch.reset(6)
     trailers = [len(catalogue(name).units) - 1 for name in ("wb-67", "tugger-train")]
     assert trailers == [1, 4]

@@ -82,7 +82,7 @@ def test_poses_are_drawn_from_all_of_the_free_area():
     """Of a yard in two halves both are used alike, and no heading is more frequent."""
     site = build_site([(0, 0), (200, 0), (200, 100), (0, 100)], lines=[[(100, 0), (100, 100)]])
     scenario = scenario_of("paper-single", site=site)._replace(num_goals=1)
-    worlds = begun(scenario, "on_axle", count := budget(2_000, 40))
+    worlds = begun(scenario, "realistic", count := budget(2_000, 40))
     left = np.count_nonzero(worlds.state.x[0] < 100)
     assert abs(left - count / 2) < 4 * np.sqrt(count / 4)
     assert abs(np.exp(1j * worlds.goals[0, 0, 2]).mean()) < 4 / np.sqrt(count)
@@ -92,7 +92,7 @@ def test_without_a_boundary_poses_lie_in_the_box_of_the_segments():
     site = build_site(
         lines=[[(-500.0, 300.0), (-300.0, 310.0)], [(-400.0, 500.0), (-390.0, 500.0)]]
     )
-    worlds = begun(scenario_of("paper-single", site=site), "on_axle", budget(50, 5))
+    worlds = begun(scenario_of("paper-single", site=site), "realistic", budget(50, 5))
     assert ((worlds.state.x >= -500) & (worlds.state.x <= -300)).all()
     assert ((worlds.state.y >= 300) & (worlds.state.y <= 500)).all()
 
@@ -101,7 +101,7 @@ def test_a_site_without_room_is_named():
     crowded = scenario_of("swarm-50", site=YARD)._replace(pose_attempts=3, world_attempts=2)
     told = r"1 of 1 worlds have no space for 50 HAVs.*Site\(72 segments, x from 0 to 120 m, y from"
     with pytest.raises(PlacementError, match=told):
-        begun(crowded, "on_axle", 1)
+        begun(crowded, "realistic", 1)
 
 
 def test_a_site_and_its_file_make_the_same_scenario(tmp_path):

@@ -20,7 +20,8 @@ from tests.support.budgets import COMPARED, COMPILED, budget
 from tests.support.policies import Weaving
 
 # a test below compares Reserve with plain Python
-POLICIES = [AvoidJack(), DubinsPursuit(), Random(), Weaving(), *[Reserve()] * COMPILED]
+RESERVE = pytest.param(Reserve(), marks=pytest.mark.exhaustive)
+POLICIES = [AvoidJack(), DubinsPursuit(), Random(), Weaving(), *[RESERVE] * COMPILED]
 SWARMS = {1: (400, 12), 2: (400, 12), 20: (60, 2)}  # HAVs: steps, compiled and not
 
 
@@ -89,7 +90,7 @@ def test_a_rollout_is_a_loop_of_decisions_and_steps(policy, num_havs):
 
 
 @pytest.mark.parametrize(
-    "policy", [AvoidJack(evasion_release=1.5), Weaving(gain=0.02), Reserve()], ids=named
+    "policy", [AvoidJack(evasion_release=1.5), Weaving(gain=0.02), RESERVE], ids=named
 )
 def test_a_rollout_is_that_loop_when_somebody_waits(policy):
     task = Task(max_steps=300)
@@ -99,6 +100,7 @@ def test_a_rollout_is_that_loop_when_somebody_waits(policy):
     assert text(table) == text(python_loop(policy, TOGETHER, 5, 0, task))
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("rules", [{}, {"next_goal": "alone"}, {"on_goal": "remove"}], ids=str)
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_rollout_is_that_loop_when_havs_brake_at_their_goals(rules, threads):
@@ -113,6 +115,7 @@ def test_a_rollout_is_that_loop_when_havs_brake_at_their_goals(rules, threads):
     assert text(alone.select(["path_length"])) != text(at_once.select(["path_length"]))
 
 
+@pytest.mark.exhaustive
 def test_a_rollout_is_that_loop_over_many_worlds():
     """Blocks of lanes, and HAVs that wait in the first of them, so that loops begin later."""
     scenario, worlds = RandomPoses(num_havs=2, num_goals=1), budget(150, 10)
@@ -150,10 +153,12 @@ from hav_env import (
     Limited, OffAxle, OnAxle, RandomPoses, Rectangles, Task, catalogue_fleet
 )
 """
-POLICIES_ALONE = """
+RESERVE_ALONE = """
 for num_havs, episodes, steps in ((1, 2, 400), (2, 1, 100), (5, 1, 20)):
     scenario, task = RandomPoses(num_havs=num_havs, area_factor=2.0), Task(max_steps=steps)
     print(repr(rollout(Reserve(), scenario, 21, np.arange(episodes), task).to_pydict()))
+"""
+POLICIES_ALONE = """
 for policy in (AvoidJack(), DubinsPursuit(), Random()):
     for num_havs, episodes, steps in ((1, 3, 400), (2, 2, 400), (20, 1, 30)):
         scenario, task = RandomPoses(num_havs=num_havs), Task(max_steps=steps)
@@ -181,9 +186,13 @@ for policy in (other, other._replace(evasion_from_center=True)):
 
 @pytest.mark.skipif(not COMPILED, reason=COMPARED)
 @pytest.mark.parametrize(
-    "models", [POLICIES_ALONE, pytest.param(OTHER_MODELS, marks=pytest.mark.exhaustive)],
-    ids=["policies", "other models"],
-)  # fmt: skip
+    "models",
+    [
+        pytest.param(POLICIES_ALONE, id="policies"),
+        pytest.param(RESERVE_ALONE, id="Reserve", marks=pytest.mark.exhaustive),
+        pytest.param(OTHER_MODELS, id="other models", marks=pytest.mark.exhaustive),
+    ],
+)
 def test_compiled_code_and_pure_python_give_the_same_bits(models, capsys):
     script = IMPORTS + models
     other_mode = os.environ | {"NUMBA_DISABLE_JIT": "1", "HAV_THREADS": "1"}

@@ -5,7 +5,7 @@ from scipy.integrate import solve_ivp
 from vehiclemodels.parameters_vehicle4 import parameters_vehicle4
 from vehiclemodels.vehicle_dynamics_kst import vehicle_dynamics_kst
 
-from hav_env import OffAxle
+from hav_env import OffAxle, Rectangles
 from tests.support.budgets import budget
 from tests.support.worlds import hitch, limit, open_plane, put
 
@@ -17,7 +17,7 @@ def test_after_a_hundred_metres_it_is_within_a_millimetre():
     wheelbase, trailer = model.a + model.b, model.trailer.l_wb
     rng = np.random.default_rng(0)
     angles = np.clip(np.cumsum(rng.normal(0.0, 0.04, STEPS)), -0.5, 0.5)
-    batch = open_plane(1, 1, 1, vehicle=OffAxle())
+    batch = open_plane(1, 1, 1, vehicle=OffAxle(bodies=Rectangles()))
     limit(batch.worlds, steering=0.55)
     put(batch.worlds, [wheelbase, trailer])
     hitch(batch.worlds, [0.0])

@@ -12,6 +12,7 @@ from hav_env.world.arrays import ARTICULATION, JACKKNIFE, STABLE, WHEN, WHERE, d
 from tests.support.budgets import budget
 from tests.support.worlds import bits, hitch, limit, open_plane, put
 
+BODIES = Rectangles()  # as most tests of such hitches have
 RNG = np.random.default_rng(4)
 TRAILERS = budget((1, 2, 3, 5, 7, 10), (1, 4))
 LENGTHS = {n: RNG.uniform(2.5, 9.0, n + 1) for n in TRAILERS}
@@ -92,23 +93,27 @@ def errors(vehicle, speed, dt=0.2):
 
 @pytest.mark.parametrize(("speed", "most"), [(1.0, 0.005), (5.0, 0.05)])
 def test_a_minute_of_steps_ends_where_scipy_ends(speed, most):
-    assert errors(OffAxle(), speed).max() <= most
+    assert errors(OffAxle(bodies=BODIES), speed).max() <= most
 
 
 @pytest.mark.parametrize(("integrator", "order"), [("midpoint", 2), ("euler", 1)])
 def test_the_order_of_the_integrator(integrator, order):
-    coarse, fine = (errors(OffAxle(integrator=integrator), 2.0, dt) for dt in (0.2, 0.1))
+    coarse, fine = (
+        errors(OffAxle(integrator=integrator, bodies=BODIES), 2.0, dt) for dt in (0.2, 0.1)
+    )
     ratio = coarse / fine
     assert (ratio > 0.85 * 2**order).all(), ratio
     assert (ratio < 1.2 * 2**order).all(), ratio
 
 
 def test_substeps_are_shorter_steps():
-    one, two = simulated(OffAxle(substeps=2), 2.0), simulated(OffAxle(), 2.0, dt=0.1)
+    one = simulated(OffAxle(substeps=2, bodies=BODIES), 2.0)
+    two = simulated(OffAxle(bodies=BODIES), 2.0, dt=0.1)
     for z, other in zip(one, two, strict=True):
         np.testing.assert_allclose(z, other, atol=1e-9)
 
 
+@pytest.mark.exhaustive
 def test_hitches_on_the_axles_in_eulers_order_give_the_bits_of_the_paper():
     scenario = RandomPoses(num_havs=2)
     rng, batches = np.random.default_rng(1), []
@@ -153,7 +158,7 @@ def circle(lengths, offsets, radius):
 def test_least_radius_is_the_tightest_circle_within_the_limits():
     """Also on hitches ahead of axles, and with limits that bind and limits that do not."""
     rng, count = np.random.default_rng(6), budget(2_000, 200)
-    batch = open_plane(1, 1, 10, vehicle=OffAxle())
+    batch = open_plane(1, 1, 10, vehicle=OffAxle(bodies=BODIES))
     bound = 0
     for _ in range(count):
         n = rng.integers(1, 11)
@@ -175,7 +180,7 @@ def test_least_radius_is_the_tightest_circle_within_the_limits():
 
 
 def test_each_joint_has_its_own_limit():
-    batch = open_plane(2, 1, 3, vehicle=OffAxle())
+    batch = open_plane(2, 1, 3, vehicle=OffAxle(bodies=BODIES))
     limit(batch.worlds, articulation=0.3)
     for w, bend in enumerate((0.5, 0.7)):
         put(batch.worlds, [4.0, 5.0, 5.0], headings=[0.0, 0.0, -bend], w=w)

@@ -62,6 +62,7 @@ def vehicle(request):
     return request.param
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("threads", [1, 3])
 def test_a_world_among_others_is_the_world_alone(vehicle, threads):
     many = driven(vehicle, np.arange(budget(MANY, 5)), threads)
@@ -106,6 +107,7 @@ def test_environments_begin_and_step_the_same_worlds(vehicle):
             assert np.mean([*rewards.values()]) == pytest.approx(outcome[1][w], abs=1e-9)
 
 
+@pytest.mark.exhaustive
 def test_where_a_world_lies_does_not_matter(vehicle):
     """Turned and shifted, HAVs have the same articulations and collide in the same steps."""
     rng, turn, shift = np.random.default_rng(2), 0.7, np.array([30.0, -80.0])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hav_env import OffAxle
+from hav_env import OffAxle, Rectangles
 from hav_env.world.arrays import allocate_worlds, turn_unit
 from hav_env.world.chain import axles_of, corners_of, ends_behind, front_axle, fronts_of
 from tests.support.worlds import catalogue_like, hitch, put
@@ -48,7 +48,7 @@ def test_many_chains_are_worked_out_together():
 
 def test_hitches_off_the_axles_are_where_the_kernels_have_them():
     """A hitch behind the axle, on it, ahead of it; also of HAVs of other lengths."""
-    worlds = catalogue_like(OffAxle()).worlds
+    worlds = catalogue_like(OffAxle(bodies=Rectangles())).worlds
     rng = np.random.default_rng(3)
     for _ in range(20):
         lengths, offsets = rng.uniform(1.0, 9.0, 4), rng.uniform(-3.0, 3.0, 3)

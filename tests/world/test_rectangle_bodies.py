@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from hav_env import OffAxle, OnAxle, Rectangles
+from hav_env import OffAxle, Rectangles
 from hav_env.world.arrays import derive_radii
 from hav_env.world.bodies import (
     bodies_meet,
@@ -105,7 +105,7 @@ def test_the_reach_is_that_of_the_straight_hav():
 
 def test_without_width_and_overhangs_they_are_the_lines():
     rng, count = np.random.default_rng(8), budget(20_000, 2_000)
-    batch = open_plane(count, 2, 3, vehicle=OnAxle(bodies=Rectangles(0.0)))
+    batch = open_plane(count, 2, 3, vehicle=OffAxle(bodies=Rectangles(0.0)))
     worlds = batch.worlds
     for w in range(count):
         for agent in HAVS:

@@ -83,6 +83,7 @@ def test_every_drawn_scenario_has_its_own_options(name, option, field, tmp_path,
     assert max(pq.read_table(tmp_path / "random.parquet")["num_trailers"].to_pylist()) <= 2
 
 
+@pytest.mark.exhaustive
 def test_a_policy_of_ones_own_is_evaluated_from_its_module(tmp_path, capsys, monkeypatch):
     examples = EXAMPLES
     monkeypatch.syspath_prepend(examples)

@@ -14,6 +14,7 @@ from tests.support.budgets import budget
 from tests.support.worlds import ALL, aim, open_plane, put, stand
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("scenario", "worlds", "steps"),
     [("paper-pair", budget(24, 2), budget(1000, 40)), ("dense-5", budget(4, 1), budget(500, 10))],
@@ -24,6 +25,7 @@ def test_an_audit_finds_no_jackknife_and_no_collision(scenario, worlds, steps):
     audit.approve()
 
 
+@pytest.mark.exhaustive
 def test_the_filter_never_changes_a_slot_that_the_masks_leave():
     batch = Batch(find_scenario("paper-pair"), budget(16, 2))
     batch.reset(5)
@@ -58,6 +60,7 @@ def decision(far):
     return speed[0, 0], steering[0, 0], memory[0, :, 0]
 
 
+@pytest.mark.exhaustive
 def test_a_hav_out_of_range_changes_nothing():
     (speed, steering, memory), other = decision(1e3), decision(3e3)
     assert (speed, steering) == other[:2]

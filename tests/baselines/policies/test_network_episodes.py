@@ -59,7 +59,15 @@ def test_an_episode_goes_as_in_the_environment(scenario, seed, frame_skip):
     assert len(set(expected[:, 2])) == len(expected)  # every HAV drives its own path
 
 
-@pytest.mark.parametrize("scenario", ["paper-single", "paper-pair", "crossing-8", "column-5"])
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        "paper-single",
+        "paper-pair",
+        "crossing-8",
+        pytest.param("column-5", marks=pytest.mark.exhaustive),
+    ],
+)
 @pytest.mark.parametrize("seed", range(budget(4, 1)))
 def test_whole_episodes_with_goals_and_waiting_go_as_in_the_environment(scenario, seed):
     policy = pursuing_network(seen_in(scenario), frame_skip=1)

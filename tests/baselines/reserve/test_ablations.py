@@ -67,6 +67,7 @@ def test_what_no_variant_can_be(parameter, value):
         check_policy(Reserve()._replace(**{parameter: value}), CROWD)
 
 
+@pytest.mark.exhaustive
 def test_a_table_of_all_variants(tmp_path, monkeypatch, capsys):
     short = [
         one._replace(task=one.task._replace(max_steps=budget(500, 3))) for one in variants.VARIANTS

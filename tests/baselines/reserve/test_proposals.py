@@ -74,6 +74,7 @@ def propose(choose, scenario, leeway, episodes, steps, hold=15, seed=31):
     return audit, 1.0 - batch.worlds.record.total[:, -1].sum() / moving
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("choose", [at_random, at_the_nearest])
 def test_no_proposal_leads_to_a_jackknife_or_a_collision(choose):
     scenario = RandomPoses(num_havs=10, area_factor=2.0)
@@ -82,6 +83,7 @@ def test_no_proposal_leads_to_a_jackknife_or_a_collision(choose):
     assert 0.0 < taken <= 1.0
 
 
+@pytest.mark.exhaustive
 def test_havs_arrive_when_the_time_for_proposals_is_over():
     scenario = RandomPoses(num_havs=4, area_factor=2.0)
     audit, _ = propose(at_random, scenario, 0.5, budget(3, 1), budget(9_000, 3))

@@ -14,6 +14,7 @@ from hav_env.world.event_table import EVENTS
 from tests.support.budgets import COMPARED, COMPILED, budget
 from tests.support.obstacles import gaps_to_walls, touching_walls
 
+TRUCK = OffAxle(bodies=Rectangles(width=1.0))
 WALL = build_site(lines=[[[10.0, -5.0], [10.0, 5.0]]])
 
 
@@ -63,10 +64,10 @@ def test_gaps_found_are_never_above_distances_and_segments_are_seldom_due():
     assert 0.0 < changed < 0.1
 
 
-def one_truck(site=WALL, **task):
+def one_truck(vehicle=TRUCK, **task):
     """Return a batch of one truck with a trailer of 5 m, 4 m before a wall."""
-    scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=site)
-    batch = Batch(scenario, 1, Task(**task))
+    scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=WALL)
+    batch = Batch(scenario, 1, Task(**task), vehicle)
     batch.reset(0)
     return batch
 
@@ -80,8 +81,11 @@ def steps_until_hit(batch) -> int:
     return int(batch.worlds.record.first[0, OBSTACLE, WHEN, 0])
 
 
-def test_a_truck_hits_a_wall_when_its_front_is_there():
-    assert steps_until_hit(one_truck()) == 30  # 6 m at 0.2 m a step; the front axle is 4 m ahead
+@pytest.mark.parametrize("vehicle", [TRUCK, pytest.param(OnAxle(), marks=pytest.mark.exhaustive)])
+def test_a_truck_hits_a_wall_when_its_front_is_there(vehicle):
+    assert (
+        steps_until_hit(one_truck(vehicle)) == 30
+    )  # 6 m at 0.2 m a step; the front axle is 4 m ahead
 
 
 def test_what_happens_between_recorded_steps_is_found_in_the_next_one():
@@ -112,6 +116,7 @@ def test_waiting_and_turning_on_the_spot_of_no_speed_keep_the_gap():
     assert batch.worlds.place.driven[0, 0, 0] == 0.0
 
 
+@pytest.mark.exhaustive
 def test_tables_have_obstacles_only_where_there_are_some():
     event = next(event for event in EVENTS if event.obstacles)
     scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=WALL)
@@ -149,23 +154,26 @@ def test_episodes_are_the_same_in_any_lane_and_on_any_thread():
 
 def test_collisions_between_steps_are_refused_among_obstacles():
     with pytest.raises(ValueError, match="continuous_collisions is True, but must be False where"):
-        one_truck(continuous_collisions=True)
+        one_truck(OnAxle(), continuous_collisions=True)
 
 
-def test_a_thin_truck_passes_where_a_wide_one_does_not():
+@pytest.mark.parametrize(
+    ("vehicle", "hits"),
+    [
+        (OffAxle(bodies=Rectangles(width=1.9)), False),
+        (OffAxle(bodies=Rectangles(width=2.1)), True),
+        pytest.param(OnAxle(), False, marks=pytest.mark.exhaustive),
+    ],
+)
+def test_a_thin_truck_passes_where_a_wide_one_does_not(vehicle, hits):
     gate = build_site(lines=[[[10.0, 1.0], [10.0, 9.0]], [[10.0, -9.0], [10.0, -1.0]]])
     scenario = explicit([[4.0, 5.0]], [[0.0, 0.0, 0.0]], [[[90.0, 0.0, 0.0]]], site=gate)
-    for width, hits in ((1.9, False), (2.1, True)):
-        bodies = Rectangles(width=width)
-        batch = Batch(scenario, 1, vehicle=OffAxle(bodies=bodies))
-        batch.reset(0)
-        for _ in range(120):
-            batch.step(np.ones((1, 1)), np.zeros((1, 1)))
-        assert (batch.worlds.record.first[0, OBSTACLE, WHEN, 0] != NEVER) == hits
-    assert math.isclose(batch.worlds.state.x[0, 0], 24.0)
-    batch = Batch(scenario, 1, vehicle=OnAxle())
+    batch = Batch(scenario, 1, vehicle=vehicle)
     batch.reset(0)
-    assert steps_until_hit(batch) == NEVER
+    for _ in range(120):
+        batch.step(np.ones((1, 1)), np.zeros((1, 1)))
+    assert (batch.worlds.record.first[0, OBSTACLE, WHEN, 0] != NEVER) == hits
+    assert math.isclose(batch.worlds.state.x[0, 0], 24.0)
 
 
 @pytest.mark.parametrize("num_worlds", [1, 20])
@@ -177,7 +185,7 @@ def test_what_happens_before_a_hav_waits_is_found_whatever_the_other_worlds_do(n
         [[[10.0, 0.0, 0.0]], [[900.0, 50.0, 0.0]]],
         site=build_site(lines=[[[8.0, 0.0], [8.0, 3.0]]]),
     )
-    batch = Batch(scenario, num_worlds, Task(record_every=60))
+    batch = Batch(scenario, num_worlds, Task(record_every=60), TRUCK)
     batch.reset(0)
     ones = np.ones((2, num_worlds))
     for _ in range(60):

@@ -86,6 +86,7 @@ def scaled(distance):
     return math.log(1 + distance) / math.log(1 + DISTANCE_CUT)
 
 
+@pytest.mark.exhaustive
 def test_rows_tell_what_is_sensed():
     count = budget(40, 2)
     process = DecisionProcess(
@@ -137,6 +138,7 @@ def test_more_rays_than_lanes_are_refused():
         DecisionProcess(1, observation=Observation(rays=129))
 
 
+@pytest.mark.exhaustive
 def test_rays_see_what_lies_on_them():
     wall = build_site(lines=[[[20.0, 0.0], [30.0, 0.0]], [[0.0, -9.0], [0.0, -30.0]]])
     havs = (
