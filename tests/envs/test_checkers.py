@@ -31,7 +31,8 @@ LEAVING = {
     "task": Task(distance_tolerance=1.5, heading_tolerance=4.0),
     "on_goal": "remove",
 }
-_OF_REAL_PLACES = ("field-4", "docks-6")
+# without compilation, the draw of a field takes seconds
+_OF_REAL_PLACES = ("docks-6", *["field-4"] * COMPILED)
 # real vehicles among obstacles, which their observations and rewards know
 AMONG_OBSTACLES = {
     "vehicle": "realistic",

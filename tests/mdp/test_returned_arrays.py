@@ -14,7 +14,7 @@ from hav_env.mdp.array_pool import Recycler
 from tests.support.budgets import budget
 
 SHORT = {"max_steps": 6}
-MANY = budget(400, 20)  # number of worlds with arrays large enough that their memory is reused
+MANY = budget(400, 3)  # worlds: compiled, their arrays are so large that memory is used again
 
 
 def out_of_band(env):
