@@ -70,7 +70,7 @@ def test_what_no_variant_can_be(parameter, value):
 @pytest.mark.exhaustive
 def test_a_table_of_all_variants(tmp_path, monkeypatch, capsys):
     short = [
-        one._replace(task=one.task._replace(max_steps=budget(500, 3))) for one in variants.VARIANTS
+        one._replace(task=one.task._replace(max_steps=budget(500, 1))) for one in variants.VARIANTS
     ]
     monkeypatch.setattr(variants, "VARIANTS", short)
     monkeypatch.setattr(variants, "ENTRIES", (Entry("paper-pair", 2),))
@@ -89,7 +89,7 @@ def test_nobody_decides_by_what_others_keep_to_themselves():
     batch.reset(24)
     driver, waiting = PolicyDriver(Reserve(), batch), batch.worlds.state.waiting
     private = slice(broadcast_size(driver.policy), None)
-    for _ in range(budget(400, 40)):
+    for _ in range(budget(400, 12)):
         before, resting, others = driver.memory.copy(), waiting.copy(), np.arange(5) != 3
         results = []
         for told in (before[others, private], np.nan):

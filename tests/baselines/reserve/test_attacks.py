@@ -15,10 +15,10 @@ from baselines.policies.reserve import Reserve
 from baselines.policies.reserve.memory import rows as m
 from hav_env import PlacementError, RandomFleet, RandomPoses, Task
 from tests.support.audit import drive
-from tests.support.budgets import COMPILED, budget
+from tests.support.budgets import budget
 
 WORLDS = budget(5, 1)
-few = settings(max_examples=15 if COMPILED else 2)
+few = settings(max_examples=budget(15, 1))
 
 
 def some(kind, **fields):
@@ -87,7 +87,7 @@ class Others:
 def attacked(scenario, seed, dt, extra, interfere=None, steps=None):
     """Return the findings of the audit; HAVs are in range before two could meet in one step."""
     task = Task(dt=dt, sensing_range=2.0 * scenario.fleet.speed_max * dt + extra)
-    steps = budget(300, 3) if steps is None else steps
+    steps = budget(300, 2) if steps is None else steps
     try:
         return drive(
             *(scenario, seed, range(WORLDS), steps),
@@ -131,4 +131,4 @@ def test_others_that_drive_at_random_cause_no_jackknife(scenario, seed, dt, extr
 @given(fleets, seeds, durations, st.floats(0.0, 0.3))
 def test_a_hav_that_is_alone_and_stops(fleet, seed, dt, often):
     scenario = RandomPoses(fleet=fleet)
-    attacked(scenario, seed, dt, 30.0, Stops(seed, often, 20), budget(600, 5)).approve()
+    attacked(scenario, seed, dt, 30.0, Stops(seed, often, 20), budget(600, 3)).approve()
