@@ -11,6 +11,7 @@ import numba
 import numpy as np
 from llvmlite import ir
 from numba.core import cgutils
+from numba.core.registry import CPUDispatcher
 from numba.extending import lower_builtin, type_callable
 
 TILE_SIDE = 16  # number of float32 in a vector of 512 bits
@@ -261,3 +262,20 @@ def _lower_take(context, builder, signature, arguments):
     view = cgutils.create_struct_proxy(signature.args[0])(context, builder, arguments[0])
     one = ir.Constant(ir.IntType(64), 1)
     return builder.atomic_rmw("add", view.data, one, "monotonic")
+
+
+def _compile_fma() -> Callable:
+    """Return ``fma`` of doubles as a function of C that Python calls directly."""
+
+    def fused(x, y, z):
+        return fma(x, y, z)
+
+    signature = (numba.float64,) * 3
+    dispatcher = CPUDispatcher(fused, targetoptions={"nopython": True})
+    dispatcher.compile(signature)
+    return dispatcher.overloads[signature].entry_point
+
+
+if numba.config.DISABLE_JIT and not hasattr(math, "fma"):
+    # ctypes takes several times as long for a call, and sines are made of such calls
+    _fma = _compile_fma()

@@ -1,8 +1,11 @@
 """LLVM instructions that Python lacks give the same results in both."""
 
+import fractions
+import random
+
 import numpy as np
 
-from hav_env.compiled import entry, take
+from hav_env.compiled import entry, fma, take
 from tests.support.budgets import budget
 
 
@@ -18,3 +21,14 @@ def test_every_number_is_taken_once():
     take_numbers(taken.size, counter, taken, threads=4)
     assert counter[0] == taken.size
     assert np.array_equal(np.sort(taken), np.arange(taken.size))
+
+
+def test_a_product_and_a_sum_are_rounded_once():
+    """A float of a fraction is the nearest one."""
+    draw = random.Random(3)
+    for _ in range(2_000):
+        x, y, z = (draw.uniform(-1.0, 1.0) * 2.0 ** draw.randint(-60, 60) for _ in range(3))
+        z = draw.choice([z, -x * y, x * y * 2.0**-50])
+        exact = fractions.Fraction(x) * fractions.Fraction(y) + fractions.Fraction(z)
+        for number in (float, np.float64):
+            assert fma(number(x), number(y), number(z)) == float(exact)
