@@ -6,19 +6,21 @@ import textwrap
 from hav_env.cli.built_in_names import MEANINGS
 from hav_env.cli.errors import report_errors
 from hav_env.cli.meanings import meaning_of
+from hav_env.models.names import USES
 from hav_env.models.text import suggest
 
 _WIDTH, _NAMES = 80, 20  # characters of a line, and least of the column of names
 _HEADS = {
-    "policies": ("policy", "hav_env.policies", "hav-env evaluate NAME ...; also FILE.policy"),
-    "scenarios": ("scenario", "hav_env.scenarios", "--scenario NAME; also FILE.json"),
-    "sites": ("site", "", "--scenario NAME --vehicle realistic"),
-    "vehicles": ("vehicle", "hav_env.vehicles", "--vehicle NAME"),
-    "guidance": ("guidance", "hav_env.guidances", "--guidance NAME"),
-    "rewards": ("reward", "hav_env.rewards", "--reward NAME, of play and train"),
+    "policies": ("policy", "hav_env.policies", f"{USES['policy']} ...; also FILE.policy"),
+    "scenarios": ("scenario", "hav_env.scenarios", f"{USES['scenario']}; also FILE.json"),
+    "sites": ("site", "", f"{USES['scenario']} --vehicle realistic"),
+    "vehicles": ("vehicle", "hav_env.vehicles", USES["vehicle"]),
+    "guidance": ("guidance", "hav_env.guidances", USES["guidance"]),
+    "rewards": ("reward", "hav_env.rewards", f"{USES['reward']}, of play and train"),
 }
 _CATALOGUE = "catalogue"
 _LIST_END = """Each option also takes module:Class, a model of your own.
+Parameters may stand behind a name: hav-env evaluate reserve reserve:patience=5
 hav-env list catalogue shows real vehicles for any scenario (--fleet NAME)."""
 
 
@@ -60,7 +62,7 @@ def _catalogue() -> str:
     from hav_env.vehicles import COMBINATIONS  # noqa: PLC0415
 
     titles = {name: COMBINATIONS.find(name).title for name in COMBINATIONS.names()}
-    return _section(_CATALOGUE, "--fleet NAME --vehicle realistic; also FILE.json", titles)
+    return _section(_CATALOGUE, f"{USES['combination']}; also FILE.json", titles)
 
 
 def _section(head: str, use: str, meanings: dict[str, str]) -> str:

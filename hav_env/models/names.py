@@ -1,27 +1,42 @@
 """This module finds models by name: built-in names, entry points, files and ``module:Class``.
 
-Every kind of model has a registry of its own; ``hav_env.find_model`` reads all of them. A package
-of your own registers names in its pyproject.toml, where the group is the registry's::
+Every kind of model has a registry of its own; ``hav_env.find_model`` reads all of them. Parameters
+may stand behind a name: ``reserve:patience=5``, ``mine:TurnToGoal:gain=2``. A package of your own
+registers names in its pyproject.toml, where the group is the registry's::
 
     [project.entry-points."hav_env.policies"]
     my_policy = "my_package.my_module:MyPolicy"
     ".suffix" = "my_package.my_module:read_file"
 """
 
+import contextlib
 import functools
 import importlib
 import importlib.metadata
 import os
 import pathlib
+import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from hav_env.models.annotations import show, with_article
+from hav_env.models.checks import check_fields
+from hav_env.models.parameters_in_names import read_parameters, split_parameters
 from hav_env.models.text import suggest
 
 REGISTRIES: dict[str, "Registry"] = {}
 """Registries by kind of model: "policy", "scenario", "vehicle", "reward"."""
+USES = {
+    "policy": "hav-env evaluate NAME",
+    "scenario": "--scenario NAME",
+    "vehicle": "--vehicle NAME",
+    "combination": "--fleet NAME --vehicle realistic",
+    "guidance": "--guidance NAME",
+    "reward": "--reward NAME",
+}
+"""Use of a name on the command line, by kind of model."""
+_NOUNS = {"combination": "vehicle of the catalogue"}
 
 
 class Registry:
@@ -71,14 +86,23 @@ class Registry:
 
         Args:
             name: a name, ``module:Class``, or the path of a file; a ``PathLike`` is always a file.
+                With parameters behind it, ``reserve:patience=5``, it is a model.
 
         Raises:
-            TypeError: if ``name`` is neither text nor a path.
-            ValueError: if there is no such model, or Python cannot load it.
+            TypeError: if ``name`` is neither text nor a path, or the model has no such parameter.
+            ValueError: if there is no such model, or Python cannot load it, or a parameter is
+                invalid.
         """
         if not isinstance(name, str | os.PathLike):
             told = f"{self.kind} is {show(name)}, but must be a name or the path of a file"
             raise TypeError(told)
+        plain, texts = split_parameters(name) if isinstance(name, str) else (name, {})
+        if texts:
+            found = self.find(plain)
+            model_class = found if isinstance(found, type) else type(found)
+            model = self.make(found, **read_parameters(model_class, texts))
+            check_fields(self.kind, model)
+            return model
         if isinstance(name, str) and name in self._built_in:
             return self._built_in[name]
         entries = self._entries()
@@ -93,10 +117,18 @@ class Registry:
         module, _, attribute = os.fspath(name).partition(":")
         if module.endswith(".py"):
             dotted = ".".join(pathlib.PurePath(module).with_suffix("").parts)
-            rule = f"must be module:Class (did you mean '{dotted}:{attribute or 'Class'}'?)"
+            models = [model for stem, model in _models_here() if stem == dotted]
+            right = f"{dotted}:{attribute or next(iter(models), 'Class')}"
+            rule = f"must be module:Class (did you mean {right!r}?)"
             raise ValueError(f"{self.kind} is {show(name)}, but {rule}")
         if isinstance(name, str) and module and attribute:
             return self._load(name, lambda: self._import(module, attribute))
+        other = self._kind_of(os.fspath(name))
+        if other:
+            nouns = [_NOUNS.get(kind, kind) for kind in (other, self.kind)]
+            there, wanted = map(with_article, nouns)
+            told = f"{show(name)} is {there}, but must be {wanted}"
+            raise ValueError(f"{told}: write {USES[other].replace('NAME', os.fspath(name))}")
         near = self._nearest(os.fspath(name))
         raise ValueError(f"unknown {self.kind} {show(name)}{near}; known: {self.known()}")
 
@@ -115,7 +147,8 @@ class Registry:
         made: Any = found if isinstance(found, type) else type(found)
         unknown = sorted(set(parameters) - set(getattr(made, "_fields", parameters)))
         if unknown:
-            told = f"{self.kind} {made.__name__} has no parameter {unknown[0]!r}"
+            near = suggest(unknown[0], made._fields)
+            told = f"{self.kind} {made.__name__} has no parameter {unknown[0]!r}{near}"
             raise TypeError(f"{told}; its parameters: {', '.join(made._fields) or 'none'}")
         if not isinstance(found, type):
             return found._replace(**parameters) if parameters else found
@@ -128,14 +161,26 @@ class Registry:
         """Return the suffixes of the files that this registry reads."""
         return [*self._readers, *(name for name in self._entries() if name[0] == ".")]
 
+    def _kind_of(self, name: str) -> str:
+        """Return another kind of model that has a name, or files with its suffix; "" if none."""
+        suffix = pathlib.PurePath(name).suffix.lower()
+        for kind in USES:
+            known = REGISTRIES.get(kind)
+            if known is None or known is self:
+                continue
+            if name in known.names() or (suffix in known._suffixes() and _is_file(name)):
+                return kind
+        return ""
+
     def _nearest(self, text: str) -> str:
         """Return a suggestion in place of a wrong name: a file in that folder, a name or a file."""
         path = pathlib.Path(text)
         inside = _files_in(path, self._suffixes()) if text else []
         if inside:
             return f" (did you mean {inside[0]!r}?)"
-        if text.isidentifier() and _is_file(f"{text}.py"):
-            return f" (did you mean '{text}:Class'?)"
+        for module, model in _models_here():
+            if text in (module, model) or text.casefold() == model.casefold():
+                return f" (did you mean '{module}:{model}'?)"
         files = {pathlib.Path(file).stem: file for file in _files_in(path.parent, self._suffixes())}
         return suggest(text, self.names()) or suggest(path.stem, files, files.__getitem__)
 
@@ -152,6 +197,8 @@ class Registry:
                 raise
             stems = [path.stem for path in pathlib.Path().glob("*.py")]
             near = suggest(module, stems, lambda stem: f"{stem}:{attribute}")
+            if module in self.names():
+                near = f"; a parameter of {module!r} is written {module}:{attribute}=VALUE"
             raise ImportError(f"there is no module {module!r}{near}") from None
         if not hasattr(found, attribute):
             models = [
@@ -206,6 +253,15 @@ def _files_in(folder: pathlib.Path, suffixes: list[str]) -> list[str]:
         return sorted(str(path) for path in folder.iterdir() if path.suffix in suffixes)
     except (OSError, ValueError):  # no folder, or no path
         return []
+
+
+def _models_here() -> Iterator[tuple[str, str]]:
+    """Yield the module and the name of each NamedTuple in the files of the current folder."""
+    for file in _files_in(pathlib.Path(), [".py"]):
+        with contextlib.suppress(OSError):
+            text = pathlib.Path(file).read_text("utf-8", "replace")
+            for model in re.findall(r"^class (\w+)\((?:typing\.)?NamedTuple\)", text, re.MULTILINE):
+                yield pathlib.PurePath(file).stem, model
 
 
 def _is_file(path: str | os.PathLike[str]) -> bool:

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Iterable
 
+_LEAST_LIKENESS = 0.7  # of a suggestion: 1 for equal words, 0 for words without a common letter
+
 
 def visible(text: str) -> str:
     r"""Return a text with escapes for characters that a terminal would interpret.
@@ -30,5 +32,6 @@ def suggest(name: str, names: Iterable[str], form: Callable[[str], str] = str) -
     # a misspelt name is rare, and difflib takes its time
     import difflib  # noqa: PLC0415
 
-    near = difflib.get_close_matches(name, list(names), 1)
-    return f" (did you mean {form(near[0])!r}?)" if near else ""
+    right = {known.casefold(): known for known in names}
+    near = difflib.get_close_matches(name.casefold(), right, 1, _LEAST_LIKENESS)
+    return f" (did you mean {form(right[near[0]])!r}?)" if near else ""
