@@ -1,7 +1,7 @@
 """This module builds the options of a command line from the parameters of models."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any
 
 import tyro
@@ -47,6 +47,7 @@ def read_options(
     fields: list[tuple],
     common: Any,
     names: Mapping[str, str] | None = None,
+    elsewhere: Callable[[], Mapping[str, str]] = dict,
 ) -> Any:
     """Parse the options of a command by tyro.
 
@@ -57,6 +58,8 @@ def read_options(
         fields: (name, type), (name, type, default) or (name, type, default, help) of each option.
         common: Further options with their defaults, an instance of a dataclass.
         names: The names that each argument takes, for the help.
+        elsewhere: Function that returns the options that other names of models have, see
+            ``parse_options``.
 
     Returns:
         An object with an attribute for each option.
@@ -67,8 +70,9 @@ def read_options(
     own_names = {name for name, *_ in fields}
     for word in arguments:
         if word.startswith("--policy.") and "policy" not in own_names:
-            message = "needs a command with one policy, which has options; a trained one has none"
-            raise ValueError(f"{word} {message}. In Python, hav_env.evaluate compares all")
+            field = word.removeprefix("--policy.").partition("=")[0]
+            message = "needs a single policy, by its name alone; a trained one has no options"
+            raise ValueError(f"{word} {message}. Behind one of several: NAME:{field}=VALUE")
     own = []
     for name, kind, *rest in fields:
         described = Annotated[kind, tyro.conf.arg(help=rest[1])] if len(rest) == 2 else kind
@@ -76,4 +80,5 @@ def read_options(
         own.append((name, described, dataclasses.field(default=default)))
     options_class = dataclasses.make_dataclass("Options", own, bases=(type(common),))
     default = options_class(**vars(common))
-    return parse_options(options_class, usage, description, arguments, default, names)
+    told = default, names, elsewhere
+    return parse_options(options_class, usage, description, arguments, *told)

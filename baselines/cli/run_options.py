@@ -2,6 +2,7 @@
 
 import dataclasses
 import pathlib
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 import tyro
@@ -10,6 +11,7 @@ from baselines.cli.options import take_option
 from baselines.cli.tables import Format
 from hav_env import Explicit, Task
 from hav_env.evaluation.evaluate import USUAL_SCENARIO
+from hav_env.models.annotations import is_model, values_of
 from hav_env.policies.backup import NoBackup
 from hav_env.policies.demands import guidance_of
 from hav_env.policies.names import POLICIES
@@ -19,6 +21,7 @@ from hav_env.simulator.guiding import GUIDANCES
 from hav_env.vehicles import COMBINATIONS, VEHICLES
 
 RESUMED = "the same command goes on where this one stopped"
+_MOST_OWNERS = 3  # names of models that an error lists
 Safety = Literal["jackknife", "collision", "both"] | None
 Backup = Literal["reserve"] | None
 
@@ -123,7 +126,8 @@ def model_fields(policies: list[Any], scenario: Any, vehicle: Any, guidance: Any
 def known_names() -> dict[str, str]:
     """Return the names that commands take before their options, for the help."""
     return {
-        "POLICY": f"{POLICIES.known()}. --help behind one policy lists its parameters.",
+        "POLICY": f"{POLICIES.known()}. --help behind one policy lists its parameters. They may"
+        " stand behind a name: reserve:patience=5,margin=1.",
         "--scenario NAME": f"{SCENARIO_NAMES.known()}.",
         "--site FILE": "A file with obstacles and bounds among which the scenario is to be.",
         "--fleet NAME[,NAME]": "Real vehicles in place of the scenario's, with --vehicle realistic:"
@@ -132,6 +136,36 @@ def known_names() -> dict[str, str]:
         "--guidance NAME": f"{GUIDANCES.known()}.",
         "hav-env list": "Shows what each name stands for.",
     }
+
+
+def options_elsewhere() -> dict[str, str]:
+    """Return the options that models of other names have, each with the first of these names."""
+    owners = (
+        ("--scenario", "--", SCENARIO_NAMES),
+        ("--vehicle", "--vehicle.", VEHICLES),
+        ("--guidance", "--guidance.", GUIDANCES),
+        ("policy", "--policy.", POLICIES),
+    )
+    found: dict[str, str] = {}
+    for owner, prefix, registry in owners:
+        having: dict[str, list[str]] = {}
+        for name in registry.names():
+            if registry is POLICIES and not isinstance(registry.find(name), type):
+                continue  # a trained policy has no options
+            for option in _options_of(registry.make(name), prefix):
+                having.setdefault(option, []).append(name)
+        for option, names in having.items():
+            found[option] = f"{owner} {' or '.join(names[:_MOST_OWNERS])}"
+    return found
+
+
+def _options_of(model: Any, prefix: str) -> Iterator[str]:
+    """Yield the options of the parameters of a model and of its parts."""
+    for field, value in values_of(model).items():
+        option = prefix + field.replace("_", "-")
+        yield option
+        if is_model(value):
+            yield from _options_of(value, f"{option}.")
 
 
 def policy_fields(policies: list[Any]) -> list[tuple]:
@@ -151,9 +185,6 @@ def take_vehicle(arguments: list[str]) -> tuple[Any, list[str]]:
         ValueError: If there is no such model of vehicles.
     """
     name, arguments = take_option(arguments, "--vehicle", "on_axle")
-    if name in COMBINATIONS.names():
-        told = f"vehicle is {name!r}, but must be a model of motion"
-        raise ValueError(f"{told}: write --fleet {name} --vehicle realistic")
     return VEHICLES.make(name), arguments
 
 

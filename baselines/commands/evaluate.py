@@ -18,6 +18,7 @@ from baselines.cli.run_options import (
     guidance_for,
     known_names,
     model_fields,
+    options_elsewhere,
     take_guidance,
     take_scenario,
     take_vehicle,
@@ -66,7 +67,8 @@ def _evaluate(arguments: list[str]) -> None:
         ("episodes", int, usual_episodes(scenario), "Number of episodes: 0, 1, ... of the seed."),
         *model_fields(makers, scenario, vehicle, guidance),
     ]
-    options = read_options(_USAGE, _ABOUT, arguments, fields, Evaluate(), known_names())
+    helpers = known_names(), options_elsewhere
+    options = read_options(_USAGE, _ABOUT, arguments, fields, Evaluate(), *helpers)
     usual, scenario = scenario, getattr(options, "scenario", scenario)
     policies = [getattr(options, "policy", None) or POLICIES.make(make) for make in makers]
     guidance = getattr(options, "guidance", guidance)

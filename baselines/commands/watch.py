@@ -8,6 +8,7 @@ from baselines.cli.run_options import (
     guidance_for,
     known_names,
     model_fields,
+    options_elsewhere,
     take_guidance,
     take_scenario,
     take_vehicle,
@@ -49,7 +50,8 @@ def _watch(arguments: list[str]) -> None:
     guidance, arguments = take_guidance(arguments)
     makers = [POLICIES.find(name) for name in words]
     fields = model_fields(makers, named, vehicle, guidance)
-    options = read_options(_USAGE, _ABOUT, arguments, fields, Watch(), known_names())
+    helpers = known_names(), options_elsewhere
+    options = read_options(_USAGE, _ABOUT, arguments, fields, Watch(), *helpers)
     usual = POLICIES.make(makers[0])
     policy = getattr(options, "policy", usual)
     rules = options.task, options.vehicle

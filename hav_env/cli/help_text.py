@@ -23,7 +23,7 @@ def plain_help(text: str, program: str, description: str, names: Mapping[str, st
         lines += ["", "names"]
         for argument, known in names.items():
             lines += _item(argument, known)
-    for title, about, items in _sections(text):
+    for title, about, items in sections_of(text):
         if not items:  # positional arguments, which program and description explain
             continue
         lines += ["", title, *textwrap.wrap(_plain(about), _LINE_LENGTH)]
@@ -32,7 +32,7 @@ def plain_help(text: str, program: str, description: str, names: Mapping[str, st
     return "\n".join(lines)
 
 
-def _sections(text: str) -> list[tuple[str, str, list[list[str]]]]:
+def sections_of(text: str) -> list[tuple[str, str, list[list[str]]]]:
     """Return the title, the first paragraph, and the options with their help, of each box."""
     sections: list[tuple[str, str, list[list[str]]]] = []
     for line in text.splitlines():

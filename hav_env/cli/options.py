@@ -2,13 +2,12 @@
 
 import contextlib
 import io
-import re
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from hav_env.cli.errors import report_errors
 from hav_env.cli.help_text import plain_help
-from hav_env.cli.mistakes import explain_mistake
+from hav_env.cli.mistakes import explain_mistake, options_in
 
 Options = TypeVar("Options")
 
@@ -26,6 +25,7 @@ def parse_options(
     arguments: list[str],
     default: Options | None = None,
     names: Mapping[str, str] | None = None,
+    elsewhere: Callable[[], Mapping[str, str]] = dict,
 ) -> Options:
     """Return the options of a command line.
 
@@ -36,6 +36,8 @@ def parse_options(
         arguments: The words of the command line.
         default: The options without any arguments.
         names: The names that each argument takes, for the help.
+        elsewhere: Function that returns the options that this command has with other names of
+            models, and what they belong to.
 
     Raises:
         ValueError: If an argument is invalid; the message has one line.
@@ -48,12 +50,11 @@ def parse_options(
         print(plain_help(shown, program, description, names or {}))
         raise SystemExit(0)
 
-    def find_options() -> dict[str, str]:
+    def find_options() -> dict[str, tuple[str, str]]:
         _, _, told = _run_tyro(options_class, program, description, ["--help"], default)
-        found = re.findall(r"^│ (--[\w.-]+)(?:, --[\w.-]+)*(?: (\S+))?", told, re.MULTILINE)
-        return dict(found)
+        return options_in(told, names or {})
 
-    raise ValueError(explain_mistake(said, arguments, find_options))
+    raise ValueError(explain_mistake(said, arguments, find_options, elsewhere))
 
 
 def _run_tyro(

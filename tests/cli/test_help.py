@@ -54,6 +54,15 @@ def test_help_is_plain_and_fits_a_terminal(capsys):
     [
         (["--lenght", "3"], "unknown option --lenght (did you mean '--length'?)"),
         (["--zzzzzz"], "unknown option --zzzzzz"),
+        (["--lights"], "unknown option --lights (did you mean '--lit'?)"),
+        (["--narrow"], "unknown option --narrow (did you mean '--road'?)"),
+        (["--lng", "3"], "unknown option --lng"),
+        (["--length=far"], "--length is 'far', but must be a number"),
+        (["--length="], "--length is '', but must be a number"),
+        (
+            ["--length", "3", "home"],
+            "unexpected 'home': options begin with --, and names stand before them",
+        ),
         (["--length", "far"], "--length is 'far', but must be a number"),
         (["--length"], "--length needs a value behind it: a number"),
         (["--stops", "1.5"], "--stops is '1.5', but must be a whole number"),

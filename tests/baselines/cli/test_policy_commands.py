@@ -1,6 +1,8 @@
 """The commands take a policy in a file by its name; an unfit policy prints one line."""
 
+import json
 import pathlib
+import re
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -41,6 +43,34 @@ def test_evaluate_takes_files_among_names(path, tmp_path, capsys, monkeypatch):
     code, _, err = run(capsys, "evaluate", "chance.policy", *common)
     assert code == 2
     assert "another policy" in err
+
+
+def test_policies_with_parameters_stand_beside_each_other(tmp_path, capsys):
+    common = ["--episodes", 2, "--output", tmp_path / "results", *SHORT]
+    code, out, err = run(capsys, "evaluate", "random", "random:hold=2", *common)
+    assert code == 0, err
+    assert re.search(r"^ +random +random:hold=2$", out, re.MULTILINE)
+    told = json.loads((tmp_path / "results/random-hold-2.json").read_text())
+    assert told["policy"]["hold"] == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["random", "reserve", "--policy.hold", "5"], "Behind one of several: NAME:hold=VALUE"),
+        (["random:hold=2", "--policy.hold=5"], "needs a single policy, by its name alone"),
+        (["random", "--gap", "40"], "unknown option --gap: it belongs to --scenario crossing-2"),
+        (["random", "--policy.patience", "5"], "it belongs to policy context or reserve"),
+        (["random", "--senario", "paper-pair"], "did you mean '--scenario'?"),
+        (["random", "--guidance.clearance", "1"], "it belongs to --guidance lattice"),
+        (["random", "--vehicle.actuators.braking", "1"], "belongs to --vehicle limited"),
+    ],
+)
+def test_an_option_of_another_model_is_named_with_that_model(words, message, capsys):
+    code, _, err = run(capsys, "evaluate", *words)
+    assert code == 2
+    assert err.count("\n") == 1
+    assert message in err
 
 
 def test_watch_shows_a_file(path, tmp_path, capsys):
