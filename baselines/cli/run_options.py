@@ -48,7 +48,7 @@ class Evaluate(Run):
 
     output: pathlib.Path | None = None
     """Folder of the results; an interrupted run resumes in it. Without a folder, no results are
-    kept."""
+    kept. For films and pages (mp4, gif, html) see hav-env watch."""
     differences: bool = False
     """Print a second table: the differences of the policies from the first one."""
     safety: Safety = None

@@ -42,6 +42,16 @@ else:
         return True
 
 
+_OF_FILES = {
+    **dict.fromkeys(
+        (".html", ".mp4", ".gif", ".npz"), "hav-env watch draws pages and films of an episode"
+    ),
+    **dict.fromkeys((".csv", ".md", ".txt"), "hav-env evaluate --format csv or md prints tables"),
+    **dict.fromkeys((".parquet", ".json"), "it will hold a file of this kind for each table"),
+    **dict.fromkeys((".png", ".pdf", ".svg"), "it will hold all figures"),
+    **dict.fromkeys((".policy", ".zip"), "it will hold the policies of the training"),
+}
+"""Suffixes of names that no folder should have, with advice."""
 LOCK = ".lock"  # is in the folder while a run works there
 _held = threading.local()  # folders in which this thread works
 
@@ -53,12 +63,15 @@ def sole_user(folder: pathlib.Path) -> Iterator[None]:
     The thread that works in the folder may enter again.
 
     Raises:
-        ValueError: If the folder is a file.
+        ValueError: If the folder is a file, or a new one has the name of a file.
         BlockingIOError: If another run works there.
         OSError: If the folder cannot be made or written to.
     """
     if folder.exists() and not folder.is_dir():
         raise ValueError(f"output {folder} is a file, but must be a folder")
+    advice = _OF_FILES.get(folder.suffix.lower())
+    if advice and not folder.exists():
+        raise ValueError(f"output is {folder}, but must be a folder: {advice}")
     folder.mkdir(parents=True, exist_ok=True)
     place = folder.resolve()
     if place in _folders():

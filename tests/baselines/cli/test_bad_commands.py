@@ -40,6 +40,8 @@ BASELINES = [
     *each(["watch", "random"], "--record", ["x.html", "", "folder.npz", "file/x.npz"]),
     *each(EVALUATE, "--output", ["file", "file/below"]),
     *each(["reproduce"], "--output", ["file", "file/below"]),
+    *each(EVALUATE, "--output", ["x.html", "new/x.csv", "x.JSON", "x.parquet", "x.mp4"]),
+    *each(["reproduce"], "--output", ["x.html", "x.csv", "x.png"]),
     *each(["evaluate"], "--scenario", ["", "paper-pair"]),
     ["evaluate", "random", "--scenario", "docks-6", "--output", "new"],
     ["evaluate", ""],

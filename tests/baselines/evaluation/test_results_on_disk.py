@@ -133,6 +133,16 @@ def test_something_else_in_the_place_of_a_file_is_named_and_kept(kept, overwrite
     assert [path.name for path in tmp_path.iterdir()] == [kept]
 
 
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [("x.html", "hav-env watch draws"), ("x.CSV", "--format csv"), ("x.json", "for each table")],
+)
+def test_no_folder_gets_the_name_of_a_file(name, advice, tmp_path):
+    with pytest.raises(ValueError, match=f"{name}, but must be a folder: .*{advice}"):
+        run_experiments(JOB, tmp_path / name, "a")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_file_in_the_place_of_the_folder_is_named(tmp_path):
     (tmp_path / "file").write_text("mine")
     with pytest.raises(ValueError, match="file is a file, but must be a folder"):
