@@ -17,6 +17,7 @@ from hav_env.evaluation.figures import (
 from hav_env.evaluation.statistics import Interval, paired_difference
 from hav_env.models.text import visible
 
+_MOST_DECIMALS = 3  # of a value: two policies fit a line of 80 characters
 _LONGEST_NAMED = 20  # characters of a name in the legend
 
 
@@ -64,7 +65,8 @@ def compare(names: list[str], tables: list[pa.Table], dt: float = 0.2) -> list[l
     for scores in score(names, tables):
         figure = scores[0].figure
         cells = [_show_value(one.measured, figure, dt) + _star(one) for one in scores]
-        rows.append([f"({figure.name})" if figure.harmless else figure.name, *cells])
+        name = figure.name.partition(" [")[0]  # the unit stands in the cells
+        rows.append([f"({name})" if figure.harmless else name, *cells])
     return rows
 
 
@@ -100,21 +102,22 @@ def explain_comparison(names: list[str], company: bool) -> str:
 def _show_value(measured: Interval, figure: Figure, dt: float) -> str:
     if measured.size == 0:
         return "-"
-    scale, unit = (100.0, " %") if figure.percent else (1.0, "")
+    unit = figure.name.partition(" [")[2].rstrip("]")
+    scale, unit = (100.0, " %") if figure.percent else (1.0, f" {unit}".rstrip())
     value = scale * measured.value
     half = scale * max(measured.high - measured.value, measured.value - measured.low)
     most = 100.0 if figure.percent else math.inf
     if figure.steps:
-        unit = f" steps ({measured.value * dt:,.0f} s)"
+        unit = f" ({measured.value * dt:,.0f} s)"
     if not math.isfinite(half):  # of a single episode
         return f"{value:,.{0 if figure.steps or figure.percent else 2}f}{unit}"
     # two digits of what is uncertain
-    decimals = min(max(1 - math.floor(math.log10(half)), 0), 4) if half > 0 else 2
+    decimals = min(max(1 - math.floor(math.log10(half)), 0), _MOST_DECIMALS) if half > 0 else 2
     decimals = 0 if figure.steps else decimals
     if half > 0 and not half <= value <= most - half:
         bounds = (value, scale * measured.low, scale * measured.high)
         shown, low, high = (f"{x:,.{0 if x in (0.0, most) else decimals}f}" for x in bounds)
-        return f"{shown} [{low}, {high}]{unit}"
+        return f"{shown} [{low}, {high}]{'' if figure.steps else unit}"  # fits two to a line
     return f"{value:,.{decimals}f} ± {half:,.{decimals}f}{unit}"
 
 

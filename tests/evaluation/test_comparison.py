@@ -6,6 +6,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from baselines.cli.tables import TERMINAL_WIDTH, plain_table
 from hav_env.evaluation.comparison import (
     compare,
     compare_differences,
@@ -16,16 +17,17 @@ from hav_env.evaluation.comparison import (
 NAMES = ["first", "second"]
 
 
-def table_of(rng, share, steps):
-    """Return the figures' columns of 200 pairs."""
-    hit, count = rng.random(400) < share, 400
+def table_of(rng, share, steps, pairs=200):
+    """Return the figures' columns of pairs."""
+    count = 2 * pairs
+    hit = rng.random(count) < share
     columns = {name: np.zeros(count, bool) for name in (
         "jackknifed", "potential_collision", "actual_collision", "folded_through", "goal_2_hit",
     )}  # fmt: skip
     columns["potential_collision"] = rng.random(count) < 0.8
     return pa.table({
-        "episode": np.repeat(np.arange(200), 2),
-        "hav": np.tile([0, 1], 200),
+        "episode": np.repeat(np.arange(pairs), 2),
+        "hav": np.tile([0, 1], pairs),
         "goal_1_hit": hit,
         "goal_1_step": rng.normal(steps, 100.0, count),
         "goal_2_step": rng.normal(2 * steps, 100.0, count),
@@ -102,8 +104,25 @@ def test_a_share_of_all_or_none_has_an_interval_to_one_side(tables):
 def test_steps_are_seconds_too(tables):
     (cell,) = (row[1] for row in compare(NAMES, tables, dt=0.5) if row[0] == "goal 1 step")
     steps, _, seconds = numbers(cell)
-    assert re.fullmatch(r"[\d,]+ ± [\d,]+ steps \([\d,]+ s\)", cell)
+    assert re.fullmatch(r"[\d,]+ ± [\d,]+ \([\d,]+ s\)", cell)
     assert seconds == pytest.approx(0.5 * steps, abs=1.0)
+
+
+@pytest.mark.parametrize("pairs", [1, 2, 3, 100, 20_000])
+def test_two_policies_fit_a_terminal(pairs):
+    """The widest cells are late steps of few episodes, and rare failures of many."""
+    rng = np.random.default_rng(5)
+    long = []
+    for share in (0.002, 0.998):
+        one = table_of(rng, share, 9_000.0, pairs)
+        late = np.tile([2_000.0, 19_999.0], pairs)
+        rare = rng.random(2 * pairs) < 0.00005
+        for name, column in {"goal_1_step": late, "goal_2_step": late, "jackknifed": rare}.items():
+            one = one.set_column(one.column_names.index(name), name, pa.array(column))
+        long.append(one)
+    told = plain_table(compare(["avoid_jack", "dubins_pursuit"], long), TERMINAL_WIDTH)
+    assert "\n\n" not in told  # policies stand beside each other, not in two parts
+    assert max(map(len, told.splitlines())) <= TERMINAL_WIDTH
 
 
 def test_what_is_no_failure_stands_in_brackets(tables):

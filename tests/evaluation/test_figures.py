@@ -37,7 +37,7 @@ def test_a_new_column_and_its_figure_are_one_entry_each(monkeypatch):
     batch.worlds.record.total[:, [PATH, MOVED], 0] = [[12.0, 20.0], [0.0, 0.0]]
     table = tabulate(batch.worlds, np.zeros((2, 3, 1)), DubinsPursuit(), Task(dt=0.3))
     assert table["mean_speed"].to_pylist() == [pytest.approx(2.0), None]
-    assert compare(["one"], [table])[-1] == ["mean speed [m/s]", "2.00"]
+    assert compare(["one"], [table])[-1] == ["mean speed", "2.00 m/s"]
 
 
 def test_figures_come_in_their_order_and_those_of_company_only_in_company(table):
