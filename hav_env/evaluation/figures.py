@@ -36,6 +36,8 @@ class Figure(NamedTuple):
     """Whether the figure is a share of HAVs with an event that is not a failure."""
     steps: bool = False
     """Whether the figure is a number of steps."""
+    most: float = math.inf
+    """Value that larger ones count as."""
 
 
 def figure_of_event(event: Event) -> Figure:
@@ -53,7 +55,8 @@ FIGURES = (
     FOLDED_THROUGH,
     Figure("goal {goal} step", "goal_{goal}_step", False, False, steps=True),
     Figure("goal {goal} driven / Dubins", "goal_{goal}_length_ratio", False, False),
-    Figure("largest articulation [rad]", "largest_articulation", False, False),
+    # an articulation is an angle: whole turns of a few folded joints would fill the mean
+    Figure("largest articulation [rad]", "largest_articulation", False, False, most=math.pi),
 )
 _KEYS = ("episode", "hav")  # columns that identify a row
 
@@ -105,7 +108,8 @@ def _all_figures(columns: Sequence[str]) -> Iterator[Figure]:
 def figure_values(table: pa.Table, figure: Figure) -> np.ndarray:
     """Return the values of a figure for every row, nan for missing values."""
     # a cast of Arrow would load its library of computations, which is slow
-    return table[figure.column].to_numpy(zero_copy_only=False).astype(float)
+    values = table[figure.column].to_numpy(zero_copy_only=False).astype(float)
+    return np.minimum(values, figure.most)
 
 
 def measure(table: pa.Table, figure: Figure) -> Interval:

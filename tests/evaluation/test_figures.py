@@ -1,6 +1,7 @@
 """Columns and figures are declared once: a new one is one entry."""
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -9,7 +10,7 @@ from hav_env import Batch, RandomPoses, Task
 from hav_env.evaluation import episode_table, figures
 from hav_env.evaluation.comparison import compare, read_columns
 from hav_env.evaluation.episode_table import COLUMNS, Column, tabulate
-from hav_env.evaluation.figures import FIGURES, Figure, figures_of, goals_of
+from hav_env.evaluation.figures import FIGURES, Figure, figures_of, goals_of, measure
 from hav_env.evaluation.rollout import rollout
 from hav_env.mdp.info import OBSTACLE_REPORT, REPORT
 from hav_env.world.arrays import MOVED, PATH
@@ -53,6 +54,15 @@ def test_figures_come_in_their_order_and_those_of_company_only_in_company(table)
         event.label for event in EVENTS if event.company
     }
     assert list(goals_of(alone.column_names)) == [1, 2]
+
+
+def test_a_joint_that_folded_through_counts_as_half_a_turn(table):
+    angles = np.resize([0.5, 3.0, 9.0, 500.0], table.num_rows)
+    place = table.column_names.index("largest_articulation")
+    turned = table.set_column(place, "largest_articulation", pa.array(angles))
+    (figure,) = (one for one in figures_of(turned) if one.column == "largest_articulation")
+    expected = np.array([0.5, 3.0, np.pi, np.pi])
+    assert measure(turned, figure).value == pytest.approx(np.resize(expected, angles.size).mean())
 
 
 def test_what_is_read_of_a_file_is_what_the_figures_need(table, tmp_path):
