@@ -53,8 +53,10 @@ def entry(function: Callable) -> Any:
     @functools.wraps(function)
     def call(count: int, *args: Any, threads: int | None = None) -> None:
         loop = loop_of()
-        _ensure_compiled(loop, args)
-        share_out(loop, count, args, threads or default_threads())
+        shared_name = _ensure_compiled(loop, args)
+        # Numba's dispatch knows classes by name: it would choose the code of the first such class
+        chosen = loop.compile(_signature(args)) if shared_name else loop
+        share_out(chosen, count, args, threads or default_threads())
 
     def prepare(*args: Any) -> Callable[..., None]:
         call(0, *args, threads=1)
@@ -107,12 +109,16 @@ def _cached(function: Callable) -> Callable:
     return loop
 
 
-_ready: set[tuple] = set()
+_ready: dict[tuple, bool] = {}
+_first_classes: dict[str, type] = {}  # of models, by name
 _compiling = threading.Lock()
 
 
-def _ensure_compiled(loop: Any, args: tuple) -> None:
+def _ensure_compiled(loop: Any, args: tuple) -> bool:
     """Compile (or load) the loop for these arguments; announce it if it takes a while.
+
+    Returns:
+        Whether a model has the name of another class: of another module, or one loaded anew.
 
     Raises:
         TypeError: If Numba cannot compile a model's code; the message names file and line.
@@ -120,7 +126,7 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
     plain = [part for arg in args for part in (arg.arguments if isinstance(arg, Held) else (arg,))]
     kinds = (id(loop), *map(_kind_of, plain))
     if kinds in _ready or not hasattr(loop, "compile"):
-        return
+        return _ready.get(kinds, False)
     signature = _signature(args)
     with _compiling:
         cache = loop._cache
@@ -133,7 +139,9 @@ def _ensure_compiled(loop: Any, args: tuple) -> None:
             raise TypeError(explain(loop.py_func.__name__, error)) from None
         except Exception as error:  # Numba fails internally, as on a NamedTuple's defaults
             raise TypeError(explain(loop.py_func.__name__, error)) from error
-        _ready.add(kinds)
+        known = [_first_classes.setdefault(one.__name__, one) is one for one in _classes_of(kinds)]
+        _ready[kinds] = not all(known)
+    return _ready[kinds]
 
 
 @contextlib.contextmanager
@@ -156,6 +164,15 @@ def _kind_of(value: Any) -> Any:
     if not isinstance(value, tuple):
         return type(value)
     return type(value), *(_kind_of(part) for part in value if isinstance(part, tuple))
+
+
+def _classes_of(kinds: tuple) -> Iterator[type]:
+    """Yield the classes of tuples with names among the types of arguments."""
+    for kind in kinds:
+        if isinstance(kind, tuple):
+            yield from _classes_of(kind)
+        elif hasattr(kind, "_fields"):
+            yield kind
 
 
 def _announce(function: Callable, args: list) -> None:

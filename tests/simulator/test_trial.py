@@ -10,6 +10,7 @@ import pytest
 
 from hav_env import (
     Batch,
+    PolicyDriver,
     RandomPoses,
     Task,
     act,
@@ -45,6 +46,7 @@ MODULE = """
     def mine({arguments}):
         {body}
 """
+NAMES = "written_here", "w1", "w2"
 ACT = "policy, memory, world, agent, lane"
 LANES = "policy, memory, world, agent, speed, steering"
 
@@ -54,17 +56,18 @@ def mine(tmp_path, monkeypatch):
     """Return a function that writes and imports a module, and returns its model."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def make(register, arguments, body, template=MODULE):
+    def make(register, arguments, body, template=MODULE, name=NAMES[0]):
         text = template.format(register=register, arguments=arguments, body=body)
-        (tmp_path / "written_here.py").write_text(textwrap.dedent(text))
-        sys.modules.pop("written_here", None)
+        (tmp_path / f"{name}.py").write_text(textwrap.dedent(text))
+        sys.modules.pop(name, None)
         importlib.invalidate_caches()
-        return importlib.import_module("written_here").Mine()
+        return importlib.import_module(name).Mine()
 
     yield make
-    sys.modules.pop("written_here", None)
+    for name in NAMES:
+        sys.modules.pop(name, None)
     for table in (act.table, act_lanes.table, move.table, populate.table):
-        for model in [model for model in table if model.__module__ == "written_here"]:
+        for model in [model for model in table if model.__module__ in NAMES]:
             del table[model]  # other tests count the registered models
 
 
@@ -162,6 +165,31 @@ def test_what_numba_refuses_is_one_line(mine):
 
 def test_what_only_plain_python_refuses_is_no_mistake(mine):
     check_policy(mine("act", ACT, "return 1.0 / float(agent * 0), 0.0"), RandomPoses())
+
+
+POLICY = """
+    from typing import NamedTuple
+
+    from hav_env import act
+
+
+    class Mine(NamedTuple):
+        gain: float = 1.0
+
+
+    @act.register(Mine)
+    def mine(policy, memory, world, agent, lane):
+        {body}
+"""
+
+
+def test_classes_of_one_name_keep_their_own_code(mine):
+    """Modules may call their policies the same."""
+    batch = Batch(RandomPoses(), 1)
+    batch.reset(0)
+    for name, speed in zip(NAMES[1:], (0.25, 0.5), strict=True):
+        driver = PolicyDriver(mine("", "", f"return {speed}, 0.0", POLICY, name), batch)
+        assert np.all(driver.decide()[0] == speed)
 
 
 REWARD = """
