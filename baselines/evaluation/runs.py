@@ -19,8 +19,8 @@ from baselines.storage.atomic_files import digest_of
 from baselines.storage.locks import sole_user
 from hav_env import Task
 from hav_env.evaluation.rollout import rollout
+from hav_env.policies.checks import check_policy
 from hav_env.policies.demands import check_guided
-from hav_env.policies.interface import check_policy
 from hav_env.scenarios import check_scenario
 from hav_env.simulator.batch import check_parts, check_seed
 from hav_env.simulator.guiding import check_guidance

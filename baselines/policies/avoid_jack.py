@@ -19,13 +19,8 @@ from hav_env.models.quantities import (
     Share,
     Speed,
 )
-from hav_env.policies.interface import (
-    act_lanes,
-    check_parameters,
-    evaded,
-    joint_weights,
-    memory_size,
-)
+from hav_env.policies.checks import check_parameters
+from hav_env.policies.interface import act_lanes, evaded, joint_weights, memory_size
 from hav_env.world.sensing import (
     articulation_direction,
     limits,

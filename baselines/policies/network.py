@@ -32,13 +32,9 @@ from hav_env.observation import (
     plan_route,
     settle,
 )
+from hav_env.policies.checks import check_parameters, check_rules
 from hav_env.policies.demands import guidance_of
-from hav_env.policies.interface import (
-    act_lanes,
-    check_parameters,
-    check_rules,
-    memory_size,
-)
+from hav_env.policies.interface import act_lanes, memory_size
 from hav_env.vehicles import Lines, bodies_of, is_instant, needs_hitches
 from hav_env.world.sensing import episode_key, limits
 

@@ -9,8 +9,8 @@ from hav_env import Batch, Task
 from hav_env.maths.random_numbers import Seed
 from hav_env.models.checks import check_value
 from hav_env.models.quantities import Steps
+from hav_env.policies.checks import check_driven, check_models
 from hav_env.policies.demands import bind, check_guided
-from hav_env.policies.interface import check_models
 from hav_env.vehicles import OnAxle
 from hav_env.world.arrays import ARTICULATION, FOOTPRINT, HIT_STEP
 from hav_env.world.chain import axles_of, corners_of, fronts_of
@@ -79,7 +79,8 @@ def record_trajectory(
         guidance: Guidance to the goals.
 
     Raises:
-        ValueError, TypeError: If a parameter is invalid; the message names it.
+        ValueError, TypeError: If a parameter is invalid, the message names it; or if the policy
+            returned a command that is not finite.
         PlacementError: If the scenario has no space for its HAVs.
     """
     policy = bind(policy, task, vehicle)
@@ -90,6 +91,7 @@ def record_trajectory(
     check_guided(policy, batch.guidance)
     batch.reset(seed, np.array([episode]))
     states, outlines = run_and_record(policy, batch, every)
+    check_driven(policy, batch.worlds)
     fleet, record = batch.worlds.fleet, batch.worlds.record
     return Trajectory(
         **states._asdict(),

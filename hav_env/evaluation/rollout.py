@@ -19,11 +19,9 @@ from hav_env.compiled import (
 )
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.models.protocols import Policy, Scenario, Vehicle
+from hav_env.policies.checks import check_driven, check_models
 from hav_env.policies.demands import bind, check_guided, guidance_of
-from hav_env.policies.interface import (
-    allocate_memory,
-    check_models,
-)
+from hav_env.policies.interface import allocate_memory
 from hav_env.policies.names import make_policy
 from hav_env.policies.stepping import act_and_step
 from hav_env.scenarios.presets import scenario_of
@@ -161,7 +159,8 @@ def rollout(
         One row for each HAV and episode, columns as in docs/metrics.md.
 
     Raises:
-        ValueError, TypeError: If a parameter is invalid; the message names it.
+        ValueError, TypeError: If a parameter is invalid, the message names it; or if the policy
+            returned a command that is not finite.
         PlacementError: If a scenario cannot place its HAVs.
     """
     moved = VEHICLES.make(vehicle)
@@ -185,6 +184,7 @@ def rollout(
     roll = functools.partial(_roll, canonical(policy), batch, order, queue)
     stages = [lanes] * min(threads, -(-numbers.size // lanes))
     run_on_threads(roll, stages, threads, lambda: queue.fill(numbers.size))
+    check_driven(policy, batch.worlds)
     return tabulate(batch.worlds, start, policy, task)
 
 

@@ -3,6 +3,7 @@
 A policy is a NamedTuple of parameters and a kernel that decides from the sensing of one HAV.
 """
 
+from hav_env.policies.checks import check_parameters, check_policy, check_rules
 from hav_env.policies.driver import PolicyDriver
 from hav_env.policies.filtered import Filtered
 from hav_env.policies.interface import (
@@ -10,9 +11,6 @@ from hav_env.policies.interface import (
     act_lanes,
     allocate_memory,
     broadcast_size,
-    check_parameters,
-    check_policy,
-    check_rules,
     decide,
     evaded,
     heard,

@@ -9,7 +9,8 @@ from hav_env.compiled import fixed, generic, lanes_from
 from hav_env.models.annotations import show
 from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.policies.backup import NoBackup, back_up, backup_rows, check_backup
-from hav_env.policies.interface import allocate_memory, check_policy, memory_size
+from hav_env.policies.checks import check_policy
+from hav_env.policies.interface import allocate_memory, memory_size
 from hav_env.policies.names import make_policy
 from hav_env.safety import SafetyFilter, Unfiltered, filter_commands, keep_safe
 from hav_env.safety.trial_moves import ASKED_SPEED, ASKED_STEERING

@@ -5,8 +5,9 @@ import os
 import numpy as np
 
 from hav_env.models.protocols import Policy
+from hav_env.policies.checks import check_commands, check_policy, is_of_user
 from hav_env.policies.demands import bind, check_guided
-from hav_env.policies.interface import allocate_memory, check_policy, decide
+from hav_env.policies.interface import allocate_memory, decide
 from hav_env.policies.names import make_policy
 from hav_env.simulator.batch import Batch
 from hav_env.world.task import check_at_once
@@ -38,14 +39,21 @@ class PolicyDriver:
         # bound after the check: rules of a batch are those that compiled code sees
         self.policy = bind(made, batch.task, batch.vehicle)
         self.batch, self.first = batch, first
+        self._of_user = is_of_user(made)
         self.memory = allocate_memory(self.policy, batch.scenario.num_havs, batch.num_worlds)
 
     def decide(self) -> tuple[np.ndarray, np.ndarray]:
         """Return speed [m/s] and steering [rad], (N, W) each.
 
         They are zero for waiting HAVs and for HAVs that the policy does not drive.
+
+        Raises:
+            ValueError: If a number is not finite; the policies of the project return none.
         """
-        return decide(self.policy, self.memory, self.batch, self.first)
+        commands = decide(self.policy, self.memory, self.batch, self.first)
+        if self._of_user:
+            check_commands(self.policy, commands, self.batch.worlds.state.clock)
+        return commands
 
     def forget(self, worlds: np.ndarray) -> None:
         """Clear the memory in the worlds (W,) that are true."""

@@ -9,17 +9,9 @@ from hav_env.compiled import canonical, generic, kernel
 from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.policies.backed import check_as_backup, check_behind, judge
 from hav_env.policies.backup import NoBackup, backup_rows
+from hav_env.policies.checks import check_parameters, check_policy, check_rules
 from hav_env.policies.demands import bind, guidance_of, wants_adjacent_memory
-from hav_env.policies.interface import (
-    act_lanes,
-    broadcast_size,
-    check_parameters,
-    check_policy,
-    check_rules,
-    evaded,
-    joint_weights,
-    memory_size,
-)
+from hav_env.policies.interface import act_lanes, broadcast_size, evaded, joint_weights, memory_size
 from hav_env.safety import (
     SafetyFilter,
     Unfiltered,

@@ -1,6 +1,6 @@
 """This module defines policies: parameters, and a kernel that acts on the sensing of one HAV.
 
-It checks policies, allocates their memory, and lets HAVs receive broadcasts from others.
+It allocates their memory, and lets HAVs receive broadcasts from others.
 """
 
 import functools
@@ -10,19 +10,14 @@ from typing import Any
 import numpy as np
 
 from hav_env.compiled import canonical, entry, fixed, generic, kernel, lanes_from
-from hav_env.models.annotations import is_number, show
-from hav_env.models.checks import check_fields
 from hav_env.models.memory import check_memory
-from hav_env.models.protocols import Policy, Scenario, Vehicle
+from hav_env.models.protocols import Policy
 from hav_env.policies.demands import wants_adjacent_memory
-from hav_env.scenarios import check_scenario
 from hav_env.simulator.batch import Batch
-from hav_env.simulator.trial import HAVS_TRIED, LANES_TRIED, attempt, sample_worlds
-from hav_env.vehicles import OnAxle, check_vehicle
 from hav_env.world.arrays import NEVER, World
 from hav_env.world.lanes import LANES, block_of, moving_block
 from hav_env.world.sensing import neighbor_id
-from hav_env.world.task import Task, check_at_once, check_task
+from hav_env.world.task import check_at_once
 
 
 @generic
@@ -156,80 +151,6 @@ def allocate_memory(policy: Policy, num_havs: int, num_worlds: int) -> np.ndarra
 def find_kernel(model_class: type) -> Callable | None:
     """Return the kernel that is registered for a policy class; None if the class is no policy."""
     return act.table.get(model_class) or act_lanes.table.get(model_class)
-
-
-def check_policy(
-    policy: Any, scenario: Scenario, task: Task = Task(), vehicle: Vehicle = OnAxle()
-) -> None:
-    """Check a policy against the scenario, the rules and the vehicle model before it is used.
-
-    Those three have already been checked by themselves.
-
-    Raises:
-        TypeError: If its type has no kernel, or a parameter has a value of another type.
-        ValueError: If a parameter is invalid; the message names it, its value and the rule.
-    """
-    kernel = find_kernel(type(policy))
-    if kernel is None:
-        raise TypeError(f"{show(policy)} is not a policy: register its type with act")
-    check_fields("policy", policy)
-    check_parameters(policy, scenario)
-    check_rules(policy, scenario, task, vehicle)
-    _try(policy, scenario, kernel)
-
-
-def _try(policy: Policy, scenario: Scenario, kernel: Callable) -> None:
-    """Let the policy decide once as plain Python; see ``hav_env.simulator.trial``."""
-    havs, trailers = min(scenario.num_havs, HAVS_TRIED), scenario.max_trailers
-
-    def call() -> str:
-        worlds = sample_worlds(havs, scenario.num_goals, trailers)
-        memory = allocate_memory(policy, havs, LANES_TRIED)
-        speed, steering = np.full((2, havs, LANES_TRIED), np.nan)
-        for agent in range(havs):
-            if type(policy) in act_lanes.table:
-                act_lanes(policy, memory, worlds, agent, speed, steering)
-                decided = *speed[agent], *steering[agent]
-                if not np.isfinite(decided).all():
-                    return f"writes {decided}, but must write finite speeds and steering angles"
-            else:
-                decided = act(policy, memory, worlds, agent, 0)
-                pair = isinstance(decided, tuple) and len(decided) == 2
-                if not (pair and all(map(is_number, decided)) and np.isfinite(decided).all()):
-                    return f"returns {show(decided)}, but must return speed and steering"
-        return ""
-
-    attempt("policy", policy, kernel, call)
-
-
-def check_models(policy: Any, scenario: Any, task: Any, vehicle: Any) -> None:
-    """Check all models of an episode.
-
-    Raises:
-        TypeError: If an argument has a type that is not registered as such a model.
-        ValueError: If a field is invalid; the message names it, its value and the rule.
-    """
-    check_scenario(scenario)
-    check_task(task)
-    check_vehicle(vehicle)
-    check_policy(policy, scenario, task, vehicle)
-
-
-@functools.singledispatch
-def check_parameters(policy: Any, scenario: Scenario) -> None:
-    """Check the requirements of a policy on its parameters and the scenario's limits.
-
-    A policy with more requirements than the ranges of its fields registers it; it raises
-    ValueError.
-    """
-
-
-@functools.singledispatch
-def check_rules(policy: Any, scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
-    """Check the requirements of a policy on the rules of an episode and on the kinematics.
-
-    A policy that predicts the outcome of a step registers it; it raises ValueError.
-    """
 
 
 @functools.singledispatch

@@ -6,11 +6,12 @@ take seconds and print a page. The module tries each user class once, and no cla
 
 import traceback
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
+from hav_env.models.annotations import is_number
 from hav_env.scenarios import RandomFleet, RandomPoses, populate, segments_of
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.names_used import undefined_name
@@ -22,6 +23,11 @@ LANES_TRIED, HAVS_TRIED = 2, 3
 _OURS = {"hav_env", "baselines", "train"}
 _EVERYBODY = 1e5  # [m], sensing range in which all HAVs sense each other
 _tried: set[Any] = set()
+
+
+def is_users_kernel(kernel: Callable) -> bool:
+    """Return whether a kernel is the code of a user, and no part of the project."""
+    return kernel.__module__.partition(".")[0] not in _OURS
 
 
 def attempt(kind: str, model: Any, kernel: Callable, call: Callable[[], str]) -> None:
@@ -36,7 +42,7 @@ def attempt(kind: str, model: Any, kernel: Callable, call: Callable[[], str]) ->
     Raises:
         ValueError: If the kernel raises or its result is wrong; the message names file and line.
     """
-    if kernel.__module__.partition(".")[0] in _OURS or kernel in _tried:
+    if not is_users_kernel(kernel) or kernel in _tried:
         return
     message = f"{kind} {type(model).__name__}: {kernel.__name__}"
     undefined = undefined_name(kernel, kernel.__module__.partition(".")[0])
@@ -103,3 +109,32 @@ def sample_worlds(
     begin(scenario, Task(sensing_range=_EVERYBODY), worlds, np.zeros(LANES_TRIED, np.bool_))
     worlds.state.speed[:] = 1.0
     return worlds
+
+
+class _Neighbors(np.ndarray):
+    """Indices of neighbours (W, N, N - 1), of which a user's code may read those that exist."""
+
+    count: np.ndarray
+
+    def __getitem__(self, key: Any) -> Any:
+        """Return what the array holds.
+
+        Raises:
+            IndexError: If there is no such neighbour; compiled code would read any number.
+        """
+        if isinstance(key, tuple) and len(key) == self.ndim and all(map(is_number, key)):
+            lane, agent, place = key
+            number = self.count[agent, lane]
+            if not 0 <= place < number:
+                told = f"neighbour {place} of a HAV that has {number}"
+                raise IndexError(f"{told}: k must be below sensing.num_neighbors(...)")
+        return super().__getitem__(key)
+
+
+def with_fewer_neighbors(worlds: World) -> Iterator[World]:
+    """Yield worlds in which HAVs sense all neighbours, then one less, and so on until none."""
+    nearby = worlds.nearby
+    for most in range(worlds.state.x.shape[0] - 1, -1, -1):
+        index = nearby.index.view(_Neighbors)
+        index.count = np.minimum(nearby.count, most)
+        yield worlds._replace(nearby=nearby._replace(index=index, count=index.count))

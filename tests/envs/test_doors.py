@@ -31,7 +31,7 @@ from hav_env import (
 )
 from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.evaluation.rollout import rollout
-from hav_env.policies.interface import check_policy
+from hav_env.policies.checks import check_policy
 
 SINGLE, HUGE = RandomPoses(), 10**30
 many = functools.partial(gym.make_vec, "hav_env:HAVSwarm-v0")

@@ -12,7 +12,8 @@ from baselines.policies.random import Random
 from hav_env import Batch, OffAxle, PlacementError, RandomPoses, Rectangles
 from hav_env.evaluation.episode_table import tabulate
 from hav_env.evaluation.rollout import rollout
-from hav_env.policies.interface import allocate_memory, check_policy, memory_size
+from hav_env.policies.checks import check_policy
+from hav_env.policies.interface import allocate_memory, memory_size
 from hav_env.world import arrays as columns
 from hav_env.world.arrays import allocate_worlds
 from tests.support.worlds import catalogue_like

@@ -8,6 +8,7 @@ import textwrap
 import numpy as np
 import pytest
 
+from baselines.replay.trajectory import record_trajectory
 from hav_env import (
     Batch,
     PolicyDriver,
@@ -15,6 +16,7 @@ from hav_env import (
     Task,
     act,
     act_lanes,
+    find_scenario,
     move,
     parallel_env,
     populate,
@@ -132,6 +134,59 @@ def test_mistakes_in_branches_loops_and_helpers_are_found_before_compiling(body,
     with pytest.raises(ValueError, match=told) as error:
         check_policy(policy, RandomPoses(num_havs=2))
     assert re.search(r"written_here.py, line \d+\)$", str(error.value))
+
+
+@pytest.mark.parametrize(
+    ("body", "missing"),
+    [
+        (
+            "return sensing.neighbor_distance(world, agent, 0, lane), 0.0",
+            "neighbour 0 of a HAV that",
+        ),
+        ("return sensing.neighbor_distance(world, agent, -1, lane), 0.0", "neighbour -1 of a HAV"),
+        (
+            "if sensing.num_neighbors(world, agent, lane) > 0:\n"
+            "            return sensing.neighbor_distance(world, agent, 1, lane), 0.0\n"
+            "        return 0.0, 0.0",
+            "neighbour 1 of a HAV that has 1",
+        ),
+        (
+            f"if sensing.num_neighbors(world, agent, lane) == 0:\n"
+            f"            memory[agent, 0, lane] = 1.0\n        {NEIGHBORS}pass\n"
+            f"        return 0.0, 0.0",
+            "its memory has 0 numbers for each HAV, by memory_size: register memory_size",
+        ),
+    ],
+)
+@pytest.mark.parametrize("num_havs", [2, 50])
+def test_what_compiled_code_would_read_beyond_an_array_is_an_error(body, missing, num_havs, mine):
+    """In some states a HAV has no neighbours; the policy must not count on any."""
+    with pytest.raises(ValueError, match=re.escape(missing)) as error:
+        check_policy(mine("act", ACT, body), RandomPoses(num_havs=num_havs))
+    assert re.search(r"written_here.py, line (19|2\d)\)$", str(error.value))
+
+
+def test_neighbours_that_exist_may_be_read(mine):
+    body = f"{NEIGHBORS}sensing.neighbor_distance(world, agent, k, lane)\n        return 1.0, 0.0"
+    check_policy(mine("act", ACT, body), RandomPoses(num_havs=5))
+
+
+def test_a_command_that_is_no_number_is_an_error_wherever_it_drives(mine):
+    late = "sensing.episode_key(world, lane)[2] > 3 and agent == 1"
+    policy = mine("act", ACT, f"return 1.0, (np.nan if {late} else 0.0)")
+    told = "policy Mine returned a speed or steering that is not finite: hav_1 in episode 7 of"
+    task = Task(max_steps=6)
+    with pytest.raises(ValueError, match=told):
+        rollout(policy, "paper-pair", 5, [7], task, threads=1)
+    with pytest.raises(ValueError, match=told):
+        record_trajectory(policy, find_scenario("paper-pair"), 5, 7, task)
+    batch = Batch(find_scenario("paper-pair"))
+    driver = PolicyDriver(policy, batch)
+    batch.reset(5, np.array([7]))
+    for _ in range(4):
+        batch.step(*driver.decide())
+    with pytest.raises(ValueError, match=told):
+        driver.decide()
 
 
 @pytest.mark.skipif(not COMPILED, reason="plain Python has nothing against it")

@@ -17,8 +17,8 @@ from hav_env.models.quantities import (
     Tolerance,
     Widening,
 )
+from hav_env.policies.checks import check_parameters, check_rules
 from hav_env.policies.filtered import MOST_FILTERED_TRAILERS
-from hav_env.policies.interface import check_parameters, check_rules
 from hav_env.safety import SafetyFilter, check_safety
 from hav_env.vehicles import OnAxle
 from hav_env.world.task import Task

@@ -17,14 +17,9 @@ from baselines.policies.reserve.single_agent import act_alone
 from hav_env.compiled import contiguous
 from hav_env.models.quantities import Angle, Distance, Duration, Factor, Steps
 from hav_env.policies.backup import back_up, backup_rows, check_backup
+from hav_env.policies.checks import check_parameters, check_rules
 from hav_env.policies.demands import wants_adjacent_memory
-from hav_env.policies.interface import (
-    act,
-    broadcast_size,
-    check_parameters,
-    check_rules,
-    memory_size,
-)
+from hav_env.policies.interface import act, broadcast_size, memory_size
 from hav_env.scenarios import segments_of
 from hav_env.world.task import check_at_once
 

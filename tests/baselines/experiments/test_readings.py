@@ -17,7 +17,7 @@ from baselines.policies.avoid_jack import AvoidJack
 from hav_env import OnAxle, RandomFleet, Task, find_scenario
 from hav_env.evaluation.figures import FOLDED_THROUGH
 from hav_env.evaluation.rollout import rollout
-from hav_env.policies.interface import check_models
+from hav_env.policies.checks import check_models
 from tests.support.budgets import budget
 
 

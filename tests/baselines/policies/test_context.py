@@ -5,8 +5,9 @@ import pytest
 
 from baselines.policies.context import Context
 from hav_env import Batch, RandomPoses, Task, evaluate, find_scenario
+from hav_env.policies.checks import check_policy
 from hav_env.policies.driver import PolicyDriver
-from hav_env.policies.interface import allocate_memory, check_policy, decide
+from hav_env.policies.interface import allocate_memory, decide
 from hav_env.vehicles import OffAxle
 from hav_env.world.arrays import INTERVENTIONS
 from tests.support.audit import drive

@@ -23,8 +23,9 @@ from hav_env.evaluation.rollout import rollout
 from hav_env.mdp.advance import to_command
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.observation import name_columns
+from hav_env.policies.checks import check_policy
 from hav_env.policies.driver import PolicyDriver
-from hav_env.policies.interface import allocate_memory, check_policy, decide
+from hav_env.policies.interface import allocate_memory, decide
 from hav_env.world.arrays import SPEED, STEERING
 from tests.support.budgets import budget
 from tests.support.networks import actions_of, forward, random_network

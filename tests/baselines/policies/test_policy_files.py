@@ -11,8 +11,8 @@ from baselines.policies.network import input_names, pack_layers, unpack_layers
 from hav_env import Batch, Observation, RandomFleet, RandomPoses, Task
 from hav_env.evaluation.rollout import rollout
 from hav_env.observation import name_columns
+from hav_env.policies.checks import check_policy
 from hav_env.policies.driver import PolicyDriver
-from hav_env.policies.interface import check_policy
 from hav_env.policies.names import make_policy
 from tests.support.budgets import budget
 from tests.support.networks import actions_of, doctor, random_network

@@ -11,7 +11,8 @@ from hav_env import Observation, RandomPoses
 from hav_env.compiled import entry, lanes_from
 from hav_env.envs.stable_baselines3 import HAVVecEnv
 from hav_env.mdp.decision_process import DecisionProcess
-from hav_env.policies.interface import allocate_memory, check_policy, decide
+from hav_env.policies.checks import check_policy
+from hav_env.policies.interface import allocate_memory, decide
 from hav_env.world.arrays import SPEED, STEERING
 from tests.support.networks import doctor, random_network
 from train.export import network_of

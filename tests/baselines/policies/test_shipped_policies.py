@@ -11,8 +11,8 @@ from baselines.policies.shipped import TRAINED
 from hav_env import find_scenario
 from hav_env.evaluation.comparison import figures_of, measure
 from hav_env.evaluation.rollout import rollout
+from hav_env.policies.checks import check_policy
 from hav_env.policies.demands import guidance_of
-from hav_env.policies.interface import check_policy
 from hav_env.policies.names import make_policy
 from tests.support.budgets import COMPILED
 

@@ -7,8 +7,9 @@ from baselines.experiments import reserve_ablations as variants
 from baselines.experiments.survey import Entry
 from baselines.policies.reserve import Reserve
 from hav_env import Batch, RandomPoses, Task
+from hav_env.policies.checks import check_policy
 from hav_env.policies.driver import PolicyDriver
-from hav_env.policies.interface import broadcast_size, check_policy
+from hav_env.policies.interface import broadcast_size
 from tests.support.audit import Audit, drive
 from tests.support.budgets import budget
 

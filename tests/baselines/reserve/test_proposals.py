@@ -12,9 +12,10 @@ from baselines.replay.reserved_outlines import reserved_outline
 from hav_env import Batch, Filtered, OnAxle, RandomPoses, Task, act, find_scenario, memory_size
 from hav_env.maths.kdop import SIDES
 from hav_env.policies.backup import check_backup
+from hav_env.policies.checks import check_policy
 from hav_env.policies.driver import PolicyDriver
 from hav_env.policies.filtered import filter_policy
-from hav_env.policies.interface import allocate_memory, check_policy
+from hav_env.policies.interface import allocate_memory
 from hav_env.safety import Unfiltered
 from tests.support.audit import Audit
 from tests.support.budgets import COMPILED, budget

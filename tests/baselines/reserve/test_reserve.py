@@ -21,8 +21,8 @@ from hav_env import (
     explicit,
 )
 from hav_env.evaluation.rollout import rollout
+from hav_env.policies.checks import check_policy
 from hav_env.policies.driver import PolicyDriver
-from hav_env.policies.interface import check_policy
 from tests.support.audit import Audit, drive
 from tests.support.budgets import COMPILED, budget
 
