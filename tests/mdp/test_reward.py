@@ -243,3 +243,18 @@ def test_a_reward_of_ones_own_is_told_under_the_names_of_its_terms():
         assert sum(info[name] for name in names) == pytest.approx(total)
     assert infos["hav_0"]["return_waited"] == 0.0  # a HAV that waited gets the reward 0
     assert infos["hav_0"]["return_seconds"] < infos["hav_1"]["return_seconds"]
+
+
+def test_the_returns_by_term_sum_to_the_return_of_the_episode():
+    env = parallel_env(scenario="paper-pair", max_cycles=5)
+    env.reset(seed=0)
+    total = dict.fromkeys(env.possible_agents, 0.0)
+    while env.agents:
+        actions = {agent: [1.0, 0.5] for agent in env.agents}
+        _, rewards, _, _, infos = env.step(actions)
+        for agent, reward in rewards.items():
+            total[agent] += reward
+    for agent, info in infos.items():
+        returns = [value for name, value in info.items() if name.startswith("return_")]
+        assert len(returns) == len(Reward())
+        assert total[agent] == pytest.approx(sum(returns), rel=1e-5)
