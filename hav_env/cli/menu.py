@@ -22,7 +22,7 @@ from hav_env.models.text import suggest
 COMMANDS_GROUP = "hav_env.commands"
 _MOST_CHARACTERS = 67  # of a meaning: a line fits a terminal
 _ORDER = ("list", "evaluate", "watch", "play", "reproduce", "survey", "train", "compare")
-_HELP = ("-h", "--help")
+_HELP = ("-h", "--help", "help")
 _MENU_HEAD = """Trucks with trailers: policies, their evaluation and their training.
 
 usage: hav-env COMMAND [OPTIONS]      python -m hav_env is the same

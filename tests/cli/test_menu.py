@@ -25,7 +25,7 @@ def entry(name, value, group=GROUP):
     return importlib.metadata.EntryPoint(name, value, group)
 
 
-@pytest.mark.parametrize("words", [[], ["--help"], ["-h"]])
+@pytest.mark.parametrize("words", [[], ["--help"], ["-h"], ["help"]])
 def test_the_menu_has_a_line_for_each_command(words, capsys):
     assert run_menu(words) == 0
     told = capsys.readouterr().out
