@@ -24,6 +24,7 @@ from hav_env.compiled.instructions import (
 )
 from hav_env.compiled.kernels import generic, kernel, loop_kernel, rare_kernel
 from hav_env.compiled.precision import in_single, single
+from hav_env.compiled.registers import local_array, shift_up
 from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
 
 __all__ = [
@@ -46,11 +47,13 @@ __all__ = [
     "in_single",
     "kernel",
     "lanes_from",
+    "local_array",
     "loop_kernel",
     "of_width",
     "rare_kernel",
     "run_on_threads",
     "share_out",
+    "shift_up",
     "single",
     "split_power",
     "take",

@@ -32,7 +32,14 @@ _ASIDE = (
 _HAS_DOCSTRING = 0x4000000  # flag CO_HAS_DOCSTRING of Python 3.14
 _DEEPEST = 4  # most nested modules, as in a.b.c.function
 # files that define how kernels are compiled: a change here changes all compiled code
-_MACHINERY = ("compiler.py", "held.py", "instructions.py", "kernels.py", "precision.py")
+_MACHINERY = (
+    "compiler.py",
+    "held.py",
+    "instructions.py",
+    "kernels.py",
+    "precision.py",
+    "registers.py",
+)
 
 
 class Code(NamedTuple):

@@ -2,15 +2,17 @@
 
 import math
 
-from hav_env.compiled import kernel
+from hav_env.compiled import generic, kernel
 from hav_env.world.arrays import SPEED, STEERING_COSINE, STEERING_SINE
 from hav_env.world.rectangle_bodies import margin_of
 from hav_env.world.units.joints import hitch_offset
+from hav_env.world.units.parts import OnAxles
 
 # with finite steps, an axle deviates from the movement of its hitch by at most this share of the
 # squared step over the unit's length. The largest share is 0.69 at the end of a step, and below 1.0
 # within it
 _DRIFT = 1.0
+_ROUNDED_UP = 1.0 + 1e-9
 
 
 @kernel
@@ -51,3 +53,40 @@ def most_displacement(world, agent, lane, dt):
     cosine, sine = limit[agent, STEERING_COSINE, lane], limit[agent, STEERING_SINE, lane]
     tangent = sine / cosine
     return bound_displacement(world, agent, lane, dt * limit[agent, SPEED, lane], tangent * tangent)
+
+
+@kernel
+def roughly_most(world, agent, lane, dt):
+    """Return a bound [m] on ``most_displacement``, without divisions in a loop.
+
+    With on-axle hitches, 1 / l summed over the n trailers is at most n over the least length, and
+    no swing is larger than that of the widest body on the shortest unit. The spare is far more than
+    the rounding of sums of a hundred numbers. With other hitches it is the bound itself.
+    """
+    return _roughly_most(world.fleet.joints, world, agent, lane, dt)
+
+
+@generic
+def _roughly_most(joints, world, agent, lane, dt):
+    """Return the bound for a kind of joints."""
+
+
+@_roughly_most.otherwise
+def _exactly_most(joints, world, agent, lane, dt):
+    return most_displacement(world, agent, lane, dt)
+
+
+@_roughly_most.register(OnAxles)
+def _roughly_on_axles(joints, world, agent, lane, dt):
+    fleet, limit = world.fleet, world.fleet.limit
+    cosine, sine = limit[agent, STEERING_COSINE, lane], limit[agent, STEERING_SINE, lane]
+    step, shortest = dt * limit[agent, SPEED, lane], fleet.length[agent, 0, lane]
+    squared = (sine / cosine) * (sine / cosine)
+    front = step * math.sqrt(1.0 + squared * (1.0 + 2.0 * step / shortest))
+    widest, trailers = margin_of(fleet.bodies, agent, 0, lane), fleet.num_trailers[agent, lane]
+    for unit in range(1, trailers + 1):
+        shortest = min(shortest, fleet.length[agent, unit, lane])
+        widest = max(widest, margin_of(fleet.bodies, agent, unit, lane))
+    share = 1.0 / shortest
+    drift = _DRIFT * float(trailers) * share
+    return _ROUNDED_UP * (max(front, step + drift * step * step) + widest * front * share)

@@ -5,6 +5,7 @@ import math
 from hav_env.compiled import generic, kernel, rare_kernel
 from hav_env.maths.geometry import squared_gap
 from hav_env.maths.rectangles import rectangle_gap
+from hav_env.world.bodies import find_box
 from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.rectangle_bodies import rectangle_of
 from hav_env.world.units.parts import Lines, Outlines
@@ -31,11 +32,15 @@ def _gap_of_outlines(bodies, world, agent, other, lane, most):
 @rare_kernel
 def _gap_of_chains(world, agent, other, lane, most):
     least = most * most
+    left, right, low, high = find_box(world.fleet.bodies, world, other, lane)
     ax, ay = front_axle(world, agent, lane)
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
         bx, by, next_x, next_y = ends_behind(world, agent, unit, lane, ax, ay)
         cx, cy = front_axle(world, other, lane)
-        for other_unit in range(world.fleet.num_trailers[other, lane] + 1):
+        # no unit of the other HAV is nearer than the box round them all, not even by rounding:
+        # differences of lesser numbers are not greater
+        near = _boxes_nearer(ax, ay, bx, by, left, low, right, high, least)
+        for other_unit in range(world.fleet.num_trailers[other, lane] + 1 if near else 0):
             dx, dy, behind_x, behind_y = ends_behind(world, other, other_unit, lane, cx, cy)
             if _boxes_nearer(ax, ay, bx, by, cx, cy, dx, dy, least):
                 least = min(least, squared_gap(ax, ay, bx, by, cx, cy, dx, dy))

@@ -1,10 +1,10 @@
 """This module filters the commands of HAVs that all decide on the same state of a world."""
 
-from hav_env.compiled import fixed, generic, kernel, lanes_from, rare_kernel
-from hav_env.maths.geometry import clip
+from hav_env.compiled import fixed, generic, kernel, lanes_from
+from hav_env.safety.commands import drives, find_safe_commands
 from hav_env.safety.filters import ONLY_COLLISIONS, ONLY_JACKKNIFES, SafetyFilter, Unfiltered
 from hav_env.safety.keeping_apart import may_come_near, may_go_too_far, must_stand
-from hav_env.safety.straightening import bound_backup, straightens_out
+from hav_env.safety.straightening import bound_backup
 from hav_env.safety.trial_moves import (
     ASKED_SPEED,
     ASKED_STEERING,
@@ -14,11 +14,8 @@ from hav_env.safety.trial_moves import (
     keep_posture,
     put_back,
 )
-from hav_env.world.arrays import INTERVENTIONS, SPEED, STEERING
-from hav_env.world.lanes import block_of, moving_block
-
-# shares of the commanded steering; the filter keeps the largest possible one
-_STEERING_SHARES = (0.85, 0.7, 0.5, 0.25, 0.0)
+from hav_env.world.arrays import INTERVENTIONS
+from hav_env.world.lanes import moving_block
 
 
 def scratch_rows(safety, units: int) -> int:
@@ -94,7 +91,7 @@ def keep_safe(safety, task, vehicle, world, agent, speed, steering, rows):
         _keep_straight(safety, task, vehicle, world, agent, speed, steering, rows)
     if safety.against != ONLY_JACKKNIFES:
         for lane in range(world.lanes):
-            if _drives(world, agent, lane):
+            if drives(world, agent, lane):
                 stands = may_go_too_far(task, world, agent, lane) or (
                     may_come_near(task, world, agent, lane)
                     and must_stand(safety, task, world, agent, lane, rows)
@@ -109,60 +106,11 @@ def keep_safe(safety, task, vehicle, world, agent, speed, steering, rows):
 
 
 @kernel
-def _drives(world, agent, lane):
-    """Return whether a HAV moves in its trial step."""
-    return (world.state.speed[agent, lane] > 0.0) & (not world.state.waiting[agent, lane])
-
-
-@kernel
 def _keep_straight(safety, task, vehicle, world, agent, speed, steering, rows):
     """Replace commands after which a HAV could not straighten, in every lane of a block."""
     doubts = 0
     bound_backup(task.dt, world, agent, rows)
     for lane in range(world.lanes):
-        doubts += (rows[IN_DOUBT, lane] != 0.0) & _drives(world, agent, lane)
+        doubts += (rows[IN_DOUBT, lane] != 0.0) & drives(world, agent, lane)
     if doubts > 0:
-        for lane in range(world.lanes):
-            if rows[IN_DOUBT, lane] != 0.0 and _drives(world, agent, lane):
-                _find_command(
-                    safety,
-                    task,
-                    vehicle,
-                    block_of(world, lane, 1, world.units),
-                    agent,
-                    lanes_from(speed, lane),
-                    lanes_from(steering, lane),
-                    lanes_from(rows, lane),
-                )
-
-
-@rare_kernel
-def _find_command(safety, task, vehicle, world, agent, speed, steering, rows):
-    """Find the command nearest to the given one after which a HAV can straighten.
-
-    The block has one world, in which the HAV has made its trial step with the given command. At the
-    end the HAV is at the position after the found command. If no share of the steering suffices,
-    the command is the backup: straight on at full speed, which an earlier step found possible.
-    """
-    dt = task.dt
-    asked, limit = rows[ASKED_SPEED, 0], world.fleet.limit
-    steepest = limit[agent, STEERING, 0]
-    turned = clip(rows[ASKED_STEERING, 0], -steepest, steepest)
-    for number in range(-1, len(_STEERING_SHARES)):
-        share = turned * (_STEERING_SHARES[number] if number >= 0 else 1.0)
-        if number >= 0:
-            _try_command(vehicle, dt, world, agent, speed, steering, rows, asked, share)
-        if straightens_out(safety, vehicle, dt, world, agent, speed, steering, rows):
-            kept = share if number >= 0 else rows[ASKED_STEERING, 0]
-            _try_command(vehicle, dt, world, agent, speed, steering, rows, asked, kept)
-            return
-    full = limit[agent, SPEED, 0]
-    _try_command(vehicle, dt, world, agent, speed, steering, rows, full, 0.0)
-
-
-@kernel
-def _try_command(vehicle, dt, world, agent, speed, steering, rows, faster, turned):
-    """Move a HAV on trial from its kept position with a command: speed [m/s], steering [rad]."""
-    put_back(world, agent, rows)
-    speed[agent, 0], steering[agent, 0] = faster, turned
-    drive_on_trial(vehicle, dt, world, agent, speed, steering)
+        find_safe_commands(safety, task, vehicle, world, agent, speed, steering, rows)

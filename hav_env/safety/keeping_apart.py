@@ -11,7 +11,7 @@ B. The other HAV certainly stands, or yields by the right of way, and the sum of
 
 from hav_env.compiled import generic, kernel, rare_kernel
 from hav_env.maths.elementary import sincos
-from hav_env.safety.displacement import bound_displacement, most_displacement
+from hav_env.safety.displacement import bound_displacement, most_displacement, roughly_most
 from hav_env.safety.gaps import gap_of_bodies
 from hav_env.safety.trial_moves import swap_posture
 from hav_env.world.arrays import NEVER, SPEED, STEP, World
@@ -44,8 +44,11 @@ def may_come_near(task, world: World, agent: int, lane: int) -> bool:
 @kernel
 def may_go_too_far(task, world: World, agent: int, lane: int) -> bool:
     """Return whether a HAV's step may be too long for the quick test, or for its sensing range."""
-    most = most_displacement(world, agent, lane, task.dt)
+    rough = roughly_most(world, agent, lane, task.dt)
     longest = FARTHEST_STEPS * task.dt * world.fleet.limit[agent, SPEED, lane]
+    if rough <= longest and 2.0 * rough <= task.sensing_range:
+        return False  # as the bound itself, which is not longer
+    most = most_displacement(world, agent, lane, task.dt)
     return (most > longest) | (2.0 * most > task.sensing_range)
 
 
@@ -81,9 +84,13 @@ def _way_of(task, world, agent, lane):
 @kernel
 def _keeps_from(safety, task, world, agent, other, lane, way, rows):
     """Return whether rule A or B lets a HAV move past another HAV."""
-    need = max(way, most_displacement(world, other, lane, task.dt)) + _SPARE_GAP
     reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
-    if not within(squared_distance(world, agent, other, lane), reaches + need):
+    squared = squared_distance(world, agent, other, lane)
+    need = max(way, roughly_most(world, other, lane, task.dt)) + _SPARE_GAP
+    if not within(squared, reaches + need):
+        return True  # as below: the need is not larger
+    need = max(way, most_displacement(world, other, lane, task.dt)) + _SPARE_GAP
+    if not within(squared, reaches + need):
         return True
     bodies = world.fleet.bodies
     after = gap_of_bodies(bodies, world, agent, other, lane, need)

@@ -2,7 +2,8 @@
 
 The backup drives straight on at full speed. ``bound_backup`` bounds every articulation during the
 backup from the posture alone. If the bound is inconclusive, ``straightens_out`` simulates the
-backup until the bound holds. docs/safety-filter.md has the proofs.
+backup until the bound holds. ``hav_env.safety.waves`` usually decides the same for several HAVs at
+a time. docs/safety-filter.md has the proofs.
 """
 
 import math
@@ -47,32 +48,33 @@ def bound_backup(dt, world, agent, rows):
         rows[PATH_CURVATURE, lane] = 0.0
         rows[LEAST_HEADING, lane] = rows[GREATEST_HEADING, lane] = state.heading[agent, 0, lane]
         rows[IN_DOUBT, lane] = 0.0
-        _, cosine = sincos(fleet.limit[agent, ARTICULATION, lane] - SPARE_ANGLE)
-        rows[COSINE_LIMIT, lane] = max(cosine, _TINY)
+        rows[COSINE_LIMIT, lane] = cosine_limit(fleet.limit[agent, ARTICULATION, lane])
     for unit in range(1, world.units):
         for lane in range(world.lanes):
-            _bound_joint(dt, world, agent, unit, lane, rows)
+            _bound_unit(dt, world, agent, unit, lane, rows)
     for lane in range(world.lanes):
-        limit = min(fleet.limit[agent, ARTICULATION, lane], _QUARTER) - SPARE_ANGLE
         spread = rows[GREATEST_HEADING, lane] - rows[LEAST_HEADING, lane]
-        rows[IN_DOUBT, lane] = 0.0 if spread < limit else rows[IN_DOUBT, lane]
+        most = largest_spread(fleet.limit[agent, ARTICULATION, lane])
+        rows[IN_DOUBT, lane] = 0.0 if spread < most else rows[IN_DOUBT, lane]
 
 
 @kernel
-def _bound_joint(dt, world, agent, unit, lane, rows):
+def _bound_unit(dt, world, agent, unit, lane, rows):
     """Propagate both bounds to the next unit."""
     state, fleet = world.state, world.fleet
     present = unit <= fleet.num_trailers[agent, lane]
-    heading = state.heading[agent, unit, lane]
-    least, greatest = rows[LEAST_HEADING, lane], rows[GREATEST_HEADING, lane]
     step = dt * fleet.limit[agent, SPEED, lane]
     length = fleet.length[agent, unit, lane] if present else 1.0
     offset = abs(hitch_offset(fleet.joints, agent, unit - 1, lane)) if present else 0.0
-    # a step longer than a trailer may turn it beyond the heading ahead; off-axle hitches swing out
-    swings = (offset > 0.0) | (step > length)
-    least = min(least, -math.inf if swings else heading)
+    least, greatest = bound_headings(
+        rows[LEAST_HEADING, lane],
+        rows[GREATEST_HEADING, lane],
+        state.heading[agent, unit, lane],
+        step,
+        length,
+        offset,
+    )
     rows[LEAST_HEADING, lane] = least if present else rows[LEAST_HEADING, lane]
-    greatest = max(greatest, heading)
     rows[GREATEST_HEADING, lane] = greatest if present else rows[GREATEST_HEADING, lane]
 
     cosine, sine = into_frame(
@@ -82,15 +84,57 @@ def _bound_joint(dt, world, agent, unit, lane, rows):
         state.sine[agent, unit - 1, lane],
     )
     curvature = rows[PATH_CURVATURE, lane]
+    held, behind = bound_joint(
+        curvature, step, length, offset, cosine, sine, rows[COSINE_LIMIT, lane]
+    )
+    rows[IN_DOUBT, lane] = 1.0 if present and not held else rows[IN_DOUBT, lane]
+    rows[PATH_CURVATURE, lane] = behind if present else curvature
+
+
+@kernel
+def cosine_limit(limit):
+    """Return the cosine of a limit of articulations [rad], less a spare angle, above 0."""
+    _, cosine = sincos(limit - SPARE_ANGLE)
+    return max(cosine, _TINY)
+
+
+@kernel
+def largest_spread(limit):
+    """Return the spread of headings [rad] below which no joint reaches a limit [rad]."""
+    return min(limit, _QUARTER) - SPARE_ANGLE
+
+
+@kernel
+def bound_headings(least, greatest, heading, step, length, offset):
+    """Return the least and the greatest heading [rad] of the units down to a trailer.
+
+    A step longer than a trailer may turn it beyond the heading ahead, and off-axle hitches swing
+    out: then the first one is -inf.
+    """
+    swings = (offset > 0.0) | (step > length)
+    return min(least, -math.inf if swings else heading), max(greatest, heading)
+
+
+@kernel
+def bound_joint(curvature, step, length, offset, cosine, sine, least_cosine):
+    """Return whether the bound of curvatures holds a joint, and the curvature behind it.
+
+    Args:
+        curvature: Bound on the curvature of the path of the axle ahead [1/m].
+        step: Longest step of the truck [m].
+        length: Length of the trailer [m].
+        offset: Distance of its hitch from the axle ahead, at least 0 [m].
+        cosine: Cosine of the articulation.
+        sine: Sine of the articulation.
+        least_cosine: Least cosine that is allowed.
+    """
     bent = max(abs(sine), (length + offset) * curvature)
     straight = math.sqrt(max(1.0 - bent * bent, 0.0))
-    least_cosine = max(rows[COSINE_LIMIT, lane], curvature * step)
-    held = (straight - offset * curvature > least_cosine) & (cosine > 0.0) & (step <= length)
-    rows[IN_DOUBT, lane] = 1.0 if present and not held else rows[IN_DOUBT, lane]
+    limit = max(least_cosine, curvature * step)
+    held = (straight - offset * curvature > limit) & (cosine > 0.0) & (step <= length)
     swing = offset * curvature
     tangent = (bent + swing) / max(straight - swing, _TINY)
-    carried = (tangent + curvature * step) / length
-    rows[PATH_CURVATURE, lane] = carried if present else curvature
+    return held, (tangent + curvature * step) / length
 
 
 @kernel
@@ -103,6 +147,13 @@ def bends_too_far(world, agent, lane):
         if not bend < joint_limit(fleet.joints, usual, agent, unit, lane) - SPARE_ANGLE:
             return True
     return False
+
+
+@rare_kernel
+def is_in_doubt(dt, world, agent, rows):
+    """Return what ``bound_backup`` finds in a block of one world."""
+    bound_backup(dt, world, agent, rows)
+    return rows[IN_DOUBT, 0] != 0.0
 
 
 @rare_kernel
@@ -125,8 +176,7 @@ def straightens_out(safety, vehicle, dt, world, agent, speed, steering, rows):
     for _ in range(safety.horizon):
         if bends_too_far(world, agent, 0):
             return False
-        bound_backup(dt, world, agent, rows)
-        if rows[IN_DOUBT, 0] == 0.0:
+        if not is_in_doubt(dt, world, agent, rows):
             return True
         drive_on_trial(vehicle, dt, world, agent, speed, steering)
     return False

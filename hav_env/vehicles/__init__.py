@@ -18,8 +18,8 @@ from hav_env.vehicles.actuators import (
 )
 from hav_env.vehicles.bodies import Bodies, Lines, Rectangles
 from hav_env.vehicles.combinations import COMBINATIONS, Combination, Unit, catalogue
-from hav_env.vehicles.off_axle import OffAxle, move_off_axle
-from hav_env.vehicles.on_axle import OnAxle, move_on_axle
+from hav_env.vehicles.off_axle import OffAxle, lead_off_axle, move_off_axle, pull_off_axle
+from hav_env.vehicles.on_axle import OnAxle, lead_on_axle, move_on_axle, pull_on_axle
 from hav_env.world.arrays import World
 
 
@@ -31,6 +31,20 @@ def move(vehicle: Any, dt: float, world: World, agent: int) -> None:
     actuators set both, within the HAV's limits. Writes the pose, and the headings with their
     cosines and sines. Units beyond a HAV's last have infinite length, so they do not turn.
     """
+
+
+@generic
+def pull(vehicle: Any, h: float, world: World, agent: int, unit: int) -> None:
+    """Move one trailer in every lane of a block of worlds, for a substep ``h`` [s].
+
+    It follows the motion of the unit ahead that ``lead`` or ``pull`` has stored in the block, and
+    stores its own. ``move`` consists of such moves, so both give the same bits.
+    """
+
+
+@generic
+def lead(vehicle: Any, world: World, lane: int, speed: float, cosine: float, sine: float) -> None:
+    """Store the motion of a truck that drives straight on, for ``pull`` of its first trailer."""
 
 
 def check_vehicle(vehicle: Any) -> None:
@@ -59,6 +73,10 @@ def bodies_of(vehicle: Any) -> Any:
 needs_hitches.register(OffAxle, lambda vehicle: True)
 move.register(OnAxle)(move_on_axle)
 move.register(OffAxle)(move_off_axle)
+pull.register(OnAxle)(pull_on_axle)
+pull.register(OffAxle)(pull_off_axle)
+lead.register(OnAxle)(lead_on_axle)
+lead.register(OffAxle)(lead_off_axle)
 for _vehicle in (OnAxle, OffAxle):
     actuators_of.register(_vehicle)(actuators_in_field)
 
@@ -112,6 +130,8 @@ __all__ = [
     "catalogue",
     "check_vehicle",
     "is_instant",
+    "lead",
     "move",
     "needs_hitches",
+    "pull",
 ]

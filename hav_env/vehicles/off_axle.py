@@ -111,6 +111,22 @@ def move_off_axle(vehicle, dt, world, agent):
 
 
 @kernel
+def pull_off_axle(vehicle, h, world, agent, unit):
+    """Move one trailer of a HAV by a step of the integrator, behind the unit ahead."""
+    if vehicle.integrator == EULER:
+        _step_trailer(h, world, agent, unit)
+    else:
+        _pull_trailer_midway(h, world, agent, unit)
+
+
+@kernel
+def lead_off_axle(vehicle, world, lane, speed, cosine, sine):
+    """Store the motion of a truck that drives straight on, for ``pull_off_axle``."""
+    _hand_on(world.fleet.joints.ahead, lane, speed, 0.0, cosine, sine)
+    _hand_on(world.fleet.joints.halfway, lane, speed, 0.0, cosine, sine)
+
+
+@kernel
 def _step_truck(h, world, agent):
     state, ahead = world.state, world.fleet.joints.ahead
     for lane in range(world.lanes):

@@ -60,7 +60,7 @@ def move_on_axle(vehicle, dt, world, agent):
             _turn_truck(h, world, agent)
             _advance_truck(h, world, agent)
         for unit in range(1, world.units):
-            _pull_trailer(vehicle, h, world, agent, unit)
+            pull_on_axle(vehicle, h, world, agent, unit)
 
 
 @kernel
@@ -84,7 +84,8 @@ def _advance_truck(h, world, agent):
 
 
 @kernel
-def _pull_trailer(vehicle, h, world, agent, unit):
+def pull_on_axle(vehicle, h, world, agent, unit):
+    """Move one trailer of a HAV by an Euler step, behind the unit ahead; see ``_tow``."""
     state = world.state
     for lane in range(world.lanes):
         speed_ahead = state.ahead[AHEAD_SPEED, lane]
@@ -98,6 +99,12 @@ def _pull_trailer(vehicle, h, world, agent, unit):
         cosine, sine = before if vehicle.simultaneous else after
         cosine_articulation, _ = into_frame(cosine, sine, *ahead)
         _tow(state, lane, trailer_speed(speed_ahead, cosine_articulation), cosine, sine)
+
+
+@kernel
+def lead_on_axle(vehicle, world, lane, speed, cosine, sine):
+    """Store the motion of a truck that drives straight on, for ``pull_on_axle``."""
+    _tow(world.state, lane, speed, cosine, sine)
 
 
 @kernel
