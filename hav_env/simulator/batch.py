@@ -200,8 +200,8 @@ def check_parts(scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
     """Check that a vehicle supports the fleet and the rules of an episode.
 
     Raises:
-        ValueError: If the vehicle does not support the hitches of the fleet, or the fleet or the
-            place does not support collisions between steps.
+        ValueError: If the vehicle does not support the hitches of the fleet, or the rules ask for
+            collisions between steps and the vehicle does not support them.
     """
     hitched = needs_hitches(vehicle)
     if not hitched and np.any(getattr(scenario.fleet, "offset", 0.0)):
@@ -214,11 +214,6 @@ def check_parts(scenario: Scenario, task: Task, vehicle: Vehicle) -> None:
         raise ValueError(
             "task continuous_collisions is True, but must be False for vehicles with hitches off"
             " the axles or with bodies that have a width: they are compared at steps alone"
-        )
-    if task.continuous_collisions and segments_of(scenario) > 0:
-        raise ValueError(
-            "task continuous_collisions is True, but must be False where there are obstacles:"
-            " HAVs are compared with them at steps alone"
         )
 
 

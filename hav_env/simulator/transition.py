@@ -104,9 +104,9 @@ def finish_step(task, world, events, hits):
     if num_havs > 1:
         find_nearby(task, world)
         events += record_collisions(task, world)
-        if task.continuous_collisions:
-            for agent in range(num_havs):
-                note_axles(world, agent)
+    if task.continuous_collisions:
+        for agent in range(num_havs):
+            note_axles(world, agent)
     if hits > 0:
         _assign_next_goals(task, world)
     return hits + events

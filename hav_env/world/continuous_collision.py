@@ -132,6 +132,27 @@ def collision_between(world, agent, other, lane):
     return False
 
 
+@rare_kernel
+def passes_segment(world, agent, segment, lane):
+    """Return whether the chain of a HAV meets a segment now or has met it since the step before.
+
+    Args:
+        world: Block of worlds.
+        agent: Index of the HAV.
+        segment: Middle [m], cosine, sine, half length [m], 0, as rectangles have it.
+        lane: Index of the world.
+    """
+    x, y, cosine, sine, half, _ = segment
+    c, d = (x - half * cosine, y - half * sine), (x + half * cosine, y + half * sine)
+    a, to_a = _was(world, agent, 0, lane), front_axle(world, agent, lane)
+    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
+        b, to_b = _was(world, agent, unit + 1, lane), _end_of(world, agent, unit, lane, to_a)
+        if moving_segments_meet(a, b, c, d, to_a, to_b, c, d):
+            return True
+        a, to_a = b, to_b
+    return False
+
+
 @kernel
 def _end_of(world, agent, unit, lane, front):
     """Return the axle of a unit, given its front end [m]."""

@@ -64,7 +64,8 @@ class Task(NamedTuple):
     on_obstacle: Literal["record", "end"] = "record"
     """Rule for a collision with an obstacle: the same."""
     continuous_collisions: bool = False
-    """Whether to look for actual collisions between steps too, among HAVs that sense each other.
+    """Whether to look for actual collisions between steps too, among HAVs that sense each other,
+    and for collisions with obstacles.
     Every axle then moves straight from its position before the step to its position after it. The
     paper's figures use the steps only.
     """

@@ -7,7 +7,9 @@ the movement of the HAV's points. The segment is due again when the sum exceeds 
 The bound for a step is measured, not derived from a model of the kinematics. A body is rigid and
 moves by an affine map. Its points on the line between two ends move no farther than the farther of
 both ends. A point at distance e beyond that line moves at most e times the length of the difference
-of both directions farther. The rule therefore holds for every vehicle and integrator.
+of both directions farther. The rule therefore holds for every vehicle and integrator. If
+collisions between steps count, axles move straight in a step. No point then moves farther than by
+the bound, at any time of the step.
 """
 
 import math
@@ -18,6 +20,7 @@ from hav_env.maths.rectangles import rectangle_gap
 from hav_env.world.arrays import NEVER, OBSTACLE, STEP, WHEN, WHERE
 from hav_env.world.bodies import reach_of
 from hav_env.world.chain import ends_behind, front_axle
+from hav_env.world.continuous_collision import passes_segment
 from hav_env.world.place.segments import (
     BEFORE_X,
     BEFORE_Y,
@@ -185,7 +188,7 @@ def _test_lanes(place, task, world, agent):
             continue
         if not records(task, world.state.clock[STEP, lane]):
             continue
-        hit = _test_segments(place, world, agent, lane)
+        hit = _test_segments(place, task, world, agent, lane)
         if hit != NEVER:
             first[agent, OBSTACLE, WHEN, lane] = world.state.clock[STEP, lane]
             first[agent, OBSTACLE, WHERE, lane] = hit
@@ -195,7 +198,7 @@ def _test_lanes(place, task, world, agent):
 
 
 @kernel
-def _test_segments(place, world, agent, lane):
+def _test_segments(place, task, world, agent, lane):
     """Test the segments that are due; return the first that a HAV collides with, or NEVER.
 
     If a scenario placed a HAV on a segment, the segment stays due until the first step.
@@ -205,8 +208,10 @@ def _test_segments(place, world, agent, lane):
     least = math.inf
     for number in range(place.count[lane]):
         if due[number] <= driven:
-            gap = gap_to_segment(world, agent, segment_of(place, number, lane), lane)
-            if gap <= 0.0 and begun:
+            segment = segment_of(place, number, lane)
+            gap = gap_to_segment(world, agent, segment, lane)
+            passed = task.continuous_collisions and passes_segment(world, agent, segment, lane)
+            if (gap <= 0.0 or passed) and begun:
                 return number
             due[number] = driven + max(gap, 0.0) - (_ROUNDING + _OF_SUM * driven)
         least = min(least, due[number])

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pyarrow.compute as pc
 import pytest
+import shapely
 
 from hav_env import Batch, Field, OffAxle, OnAxle, Rectangles, Task, build_site, explicit, rollout
 from hav_env.vehicles import VEHICLES
@@ -152,9 +153,67 @@ def test_episodes_are_the_same_in_any_lane_and_on_any_thread():
     assert 0.1 < np.mean(together["obstacle_collision"].to_pylist()) < 1.0
 
 
-def test_collisions_between_steps_are_refused_among_obstacles():
-    with pytest.raises(ValueError, match="continuous_collisions is True, but must be False where"):
-        one_truck(OnAxle(), continuous_collisions=True)
+def touching_between(before, after):
+    """Return (S,) which segments a chain (K, 2) meets, or nearly meets, as its axles move straight.
+
+    The second value is false where the chain stays away by more than it moves between two moments.
+    """
+    moments = np.linspace(0.0, 1.0, 401)[:, None, None]
+    lines = shapely.linestrings(before + moments * (after - before))
+    gaps = shapely.distance(lines[:, None], WALLS).min(axis=0)
+    return gaps == 0.0, gaps <= np.abs(after - before).max() / 200
+
+
+WALLS = shapely.linestrings(
+    [[[6.0, -2.0], [6.0, 2.5]], [[-4.0, 8.0], [3.0, 7.0]], [[-9.0, -9.0], [-7.0, -4.0]]]
+)
+
+
+@pytest.mark.parametrize("num_havs", [1, 2])
+def test_obstacles_passed_between_steps_are_found_if_the_task_looks_there(num_havs):
+    """The chains are thin and short, and move by up to 4 m in a step."""
+    worlds, steps = budget(120, 3), 12
+    site = build_site(lines=[shapely.get_coordinates(wall).tolist() for wall in WALLS])
+    scenario = explicit(
+        [[1.0, 1.5, 0.8]] * num_havs,
+        [[0.0, 40.0 * hav, 0.0] for hav in range(num_havs)],
+        [[[900.0, 40.0 * hav, 0.0]] for hav in range(num_havs)],
+        speed_max=20.0,
+        site=site,
+    )
+    rng = np.random.default_rng(12)
+    commands = rng.uniform(2.0, 20.0, (steps, worlds)), rng.uniform(-0.7, 0.7, (steps, worlds))
+    found = {}
+    for looks in (False, True):
+        batch = Batch(scenario, worlds, Task(continuous_collisions=looks))
+        batch.reset(0)
+        surely, perhaps = (np.full(worlds, NEVER) for _ in range(2))
+        before = axles_of(batch.worlds)
+        for step in range(steps):
+            batch.step(*(np.tile(part[step], (num_havs, 1)) for part in commands))
+            after = axles_of(batch.worlds)
+            for w in range(worlds):
+                met, near = touching_between(before[w], after[w])
+                surely[w] = step + 1 if met.any() and surely[w] == NEVER else surely[w]
+                perhaps[w] = step + 1 if near.any() and perhaps[w] == NEVER else perhaps[w]
+            before = after
+        found[looks] = batch.worlds.record.first[0, OBSTACLE, WHEN]
+    same = found[True] == surely
+    assert (same | (found[True] == perhaps)).all()
+    assert same.mean() > 0.9
+    hit = found[False] != NEVER
+    assert (found[True][hit] != NEVER).all()
+    assert budget(np.mean(found[True] != found[False]) > 0.1, True)
+
+
+def axles_of(worlds):
+    """Return the axles (W, K, 2) of the first HAV, front to end."""
+    along = np.exp(1j * worlds.state.heading[0].T)  # (W, U)
+    length, rear = worlds.fleet.length[0].T, worlds.state.x[0] + 1j * worlds.state.y[0]
+    front = rear + length[:, 0] * along[:, 0]
+    axles = front[:, None] - np.cumsum(length * along, axis=1)
+    axles = np.concatenate([front[:, None], axles], axis=1)
+    return np.stack([axles.real, axles.imag], axis=-1)
 
 
 @pytest.mark.parametrize(
