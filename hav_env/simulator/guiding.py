@@ -8,8 +8,8 @@ import numpy as np
 from hav_env.guidance import Feasible, Lattice, Roads, Witness
 from hav_env.guidance.feasible_chains import planning_rows
 from hav_env.guidance.lattices import load_lattices
-from hav_env.guidance.roads.model import RoadVehicle
 from hav_env.guidance.roads.networks import build_networks
+from hav_env.guidance.roads.model import RoadVehicle
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_fields
 from hav_env.models.names import Registry
@@ -146,9 +146,9 @@ def road_poses_of(scenario: Any) -> tuple[np.ndarray, np.ndarray]:
     """
     goals, others = poses_of(scenario)
     poses = np.unique(np.concatenate([goals, others]), axis=0)
-    joins = np.ones((len(poses) + 1, len(poses)), bool)
+    joins = np.zeros((len(poses) + 1, len(poses)), bool)
+    joins[:-1] = (poses[:, None] == goals).all(axis=2).any(axis=1)
     joins[:-1] &= ~np.eye(len(poses), dtype=bool)
-    joins[-1] = False
     return np.column_stack([poses, np.zeros(len(poses))]), joins
 
 

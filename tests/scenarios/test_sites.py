@@ -21,50 +21,12 @@ from hav_env.vehicles import VEHICLES as MODELS
 from hav_env.vehicles import catalogue
 from hav_env.world.arrays import JACKKNIFE, NEVER, OBSTACLE, WHEN
 from tests.support.budgets import COMPILED
+from tests.support.obstacles import corners_of, hulls_over_time
 from tests.support.paths import ROOT
 
 DRIVES = ROOT / "tests/scenarios/drives"
 VEHICLE = MODELS.make("realistic")
-TOGETHER = 3  # steps in a hull
 sites = pytest.mark.parametrize("name", SITES)
-
-
-def corners_of(vehicle, x, y, headings) -> np.ndarray:
-    """Return the corners (..., 4, 2) of each body, along the equations of hitches."""
-    bodies, place = [], np.stack([x, y], axis=-1)
-    for number, unit in enumerate(vehicle.units):
-        ahead = np.stack([np.cos(headings[..., number]), np.sin(headings[..., number])], axis=-1)
-        if number:
-            front = np.stack(
-                [np.cos(headings[..., number - 1]), np.sin(headings[..., number - 1])], axis=-1
-            )
-            place = place - unit.hitch * front - unit.length * ahead
-        left = np.stack([-ahead[..., 1], ahead[..., 0]], axis=-1)
-        bodies.append(
-            np.stack(
-                [
-                    place + along * ahead + side * unit.half_width * left
-                    for along, side in (
-                        (-unit.rear, -1.0),
-                        (unit.length + unit.front, -1.0),
-                        (unit.length + unit.front, 1.0),
-                        (-unit.rear, 1.0),
-                    )
-                ],
-                axis=-2,
-            )
-        )
-    return np.stack(bodies, axis=-3)
-
-
-def hulls_over_time(corners) -> np.ndarray:
-    """Return the hulls of bodies (T, ..., 4, 2) over steps, the last one of each in the next."""
-    steps = range(0, len(corners) - 1, TOGETHER)
-    parts = [corners[k : k + TOGETHER + 1] for k in steps]
-    parts[-1] = np.concatenate([parts[-1], parts[-1][-1:].repeat(TOGETHER, 0)])[: TOGETHER + 1]
-    points = np.moveaxis(np.stack(parts), 1, -3)  # (hulls, ..., TOGETHER + 1, 4, 2)
-    points = points.reshape(-1, (TOGETHER + 1) * 4, 2)
-    return shapely.convex_hull(shapely.multipoints(points))
 
 
 @functools.cache

@@ -6,6 +6,8 @@ import shapely
 from hav_env.world.units.parts import Outlines
 from hav_env.world.units.reading import offsets_in
 
+TOGETHER = 3  # steps in a hull
+
 
 def unit_shapes(x, y, heading, length, offset, shape=None) -> np.ndarray:
     """Return the bodies of units (..., K) as Shapely has them, straight from the definitions.
@@ -69,6 +71,67 @@ def touching_walls(worlds) -> np.ndarray:
     """Return which HAVs touch which segments (N, S, W)."""
     bodies, walls = body_shapes(worlds), wall_shapes(worlds)
     return shapely.intersects(bodies[:, :, None], walls[None, None]).any(axis=1)
+
+
+def first_touches(worlds, walls, havs) -> np.ndarray:
+    """Return which of some HAVs touch any segment: ``touching_walls`` for many worlds.
+
+    Shapely compares the bodies and the segments whose boxes overlap.
+
+    Args:
+        worlds: The worlds.
+        walls: (S, W) segments, as Shapely has them.
+        havs: (K, 2) numbers of the HAVs and of their worlds.
+    """
+    agent, w = havs.T
+    if len(havs) == 0:
+        return np.zeros(0, bool)
+    bodies = body_shapes(worlds)[agent, :, w]  # (K, U)
+    low_x, low_y, high_x, high_y = np.moveaxis(shapely.bounds(bodies)[:, :, None], -1, 0)
+    left, low, right, high = np.moveaxis(shapely.bounds(walls.T)[w][:, None], -1, 0)
+    # comparisons with the boxes of empty bodies, which are NaN, are false
+    near = (low_x <= right) & (left <= high_x) & (low_y <= high) & (low <= high_y)
+    hav, unit, segment = np.nonzero(near)
+    touches = shapely.intersects(bodies[hav, unit], walls.T[w[hav], segment])
+    return np.bincount(hav[touches], minlength=len(havs)) > 0
+
+
+def corners_of(vehicle, x, y, headings) -> np.ndarray:
+    """Return the corners (..., 4, 2) of each body, along the equations of hitches."""
+    bodies, place = [], np.stack([x, y], axis=-1)
+    for number, unit in enumerate(vehicle.units):
+        ahead = np.stack([np.cos(headings[..., number]), np.sin(headings[..., number])], axis=-1)
+        if number:
+            front = np.stack(
+                [np.cos(headings[..., number - 1]), np.sin(headings[..., number - 1])], axis=-1
+            )
+            place = place - unit.hitch * front - unit.length * ahead
+        left = np.stack([-ahead[..., 1], ahead[..., 0]], axis=-1)
+        bodies.append(
+            np.stack(
+                [
+                    place + along * ahead + side * unit.half_width * left
+                    for along, side in (
+                        (-unit.rear, -1.0),
+                        (unit.length + unit.front, -1.0),
+                        (unit.length + unit.front, 1.0),
+                        (-unit.rear, 1.0),
+                    )
+                ],
+                axis=-2,
+            )
+        )
+    return np.stack(bodies, axis=-3)
+
+
+def hulls_over_time(corners) -> np.ndarray:
+    """Return the hulls of bodies (T, ..., 4, 2) over steps, the last one of each in the next."""
+    steps = range(0, len(corners) - 1, TOGETHER)
+    parts = [corners[k : k + TOGETHER + 1] for k in steps]
+    parts[-1] = np.concatenate([parts[-1], parts[-1][-1:].repeat(TOGETHER, 0)])[: TOGETHER + 1]
+    points = np.moveaxis(np.stack(parts), 1, -3)  # (hulls, ..., TOGETHER + 1, 4, 2)
+    points = points.reshape(-1, (TOGETHER + 1) * 4, 2)
+    return shapely.convex_hull(shapely.multipoints(points))
 
 
 def _pairs(points: np.ndarray) -> np.ndarray:

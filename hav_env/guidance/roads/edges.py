@@ -20,11 +20,11 @@ from hav_env.maths.geometry import TWO_PI, into_frame
 from hav_env.vehicles.steady_circles import least_radius
 
 _STRAIGHTS = (0.0, 0.7, 1.4, 2.4, 3.2)  # beside turns, over the longest trailer or half the chain
-_RADIUS_SHARES = (1.0, 1.25, 1.6, 2.5, 4.0)  # of turns, over the least
+RADIUS_SHARES = (1.0, 1.25, 1.6, 2.5, 4.0)  # of turns, over the least
 _ARC_SIDES = ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0))
-_LONGEST = 2.0, 7.0  # a longer drive makes a loop: over the distance; least radii
-_JOINT_RESERVE = 0.05  # [rad], of joints to their limits
-_SHORTEST = 1e-6  # [m]
+LONGEST_DRIVES = 2.0, 7.0  # a longer drive makes a loop: over the distance; least radii
+JOINT_RESERVE = 0.05  # [rad], of joints to their limits
+SHORTEST_SEGMENT = 1e-6  # [m]
 EDGE_SEGMENTS = 5
 
 
@@ -62,7 +62,7 @@ def tightest_curvature(vehicle: RoadVehicle) -> float:
 
     On it the wheels keep their limit, and all joints keep an edge's reserve to theirs.
     """
-    limits = vehicle.limit - _JOINT_RESERVE
+    limits = vehicle.limit - JOINT_RESERVE
     if not (limits[1:] > 0.0).all():
         return 0.0
     least = least_radius(vehicle.length, np.roll(vehicle.offset, 1), limits)
@@ -114,38 +114,59 @@ def find_edge(
             np.array(one[:3]),
             steady_bends(chain, one.curvature),
             steady_bends(chain, other.curvature),
-            *(bend, clearance, _JOINT_RESERVE),
+            *(bend, clearance, JOINT_RESERVE),
         )
         for chain in chains
     ]
-    table, lengths = _candidates(chains, one, other, radius)
+    table, lengths = candidates(chains, one, other, radius)
+    number, _ = find_clear(chains, walls, ends, table)
+    return None if number < 0 else drive_of(table[number], float(lengths[number]))
+
+
+def find_clear(
+    chains: Sequence[SweptChain], walls: np.ndarray, ends: Sequence[Ends], table: np.ndarray
+) -> tuple[int, list[np.ndarray]]:
+    """Return the number of the first drive that is clear for all chains, -1 if there is none.
+
+    The second value holds the articulations (U,) of each chain at the end of that drive [rad].
+
+    Args:
+        chains: Vehicles with one turning radius.
+        walls: (S, 4) x1, y1, x2, y2 [m].
+        ends: Postures of each chain at both ends.
+        table: (C, M, 2) Drives.
+    """
     at = 0
     while at < len(table):
-        found = np.array([-1])
-        try_drives(1, chains[0], walls, ends[0], table[at:], found)
-        if found[0] < 0:
-            return None
-        number = at + int(found[0])
-        for chain, own in zip(chains[1:], ends[1:], strict=True):
-            if found[0] >= 0:
-                try_drives(1, chain, walls, own, table[number : number + 1], found)
-        if found[0] >= 0:
-            segments = tuple((float(side), float(way)) for side, way in table[number])
-            return Drive(segments, float(lengths[number]))
+        bends, number, part = [], at, table[at:]
+        for chain, own in zip(chains, ends, strict=True):
+            found = np.array([-1])
+            try_drives(1, chain, walls, own, part, found)
+            if found[0] < 0:
+                break
+            number += int(found[0])
+            part = table[number : number + 1]
+            bends.append(np.diff(chain.heading, prepend=chain.heading[0]))
+        if len(bends) == len(chains) or not bends:
+            return (number if bends else -1), bends
         at = number + 1
-    return None
+    return -1, []
 
 
-def _candidates(
+def drive_of(row: np.ndarray, length: float) -> Drive:
+    """Return a row (M, 2) of a table of drives, without empty segments."""
+    kept = tuple((float(side), float(way)) for side, way in row if way > 0.0)
+    return Drive(kept, length)
+
+
+def candidates(
     chains: Sequence[SweptChain], one: RoadPose, other: RoadPose, radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return drives (C, EDGE_SEGMENTS, 2) between two poses, and their lengths; shortest first.
 
     No drive is empty: where both poses are the same, each is a loop.
     """
-    longest = max(float(chain.length[1:].max()) for chain in chains)
-    longest = max(longest, *(0.5 * float(chain.length[1:].sum()) for chain in chains))
-    straights = [share * longest for share in _STRAIGHTS]
+    straights = straights_beside_turns(chains)
     distance = math.hypot(other.x - one.x, other.y - one.y)
     out = straights if one.curvature == 0.0 else [0.0]
     back = straights if other.curvature == 0.0 else [0.0]
@@ -159,15 +180,22 @@ def _candidates(
     )
     table, lengths = np.zeros((len(choices), EDGE_SEGMENTS, 2)), np.zeros(len(choices))
     join_poses(1, np.array(one), np.array(other), choices, table, lengths)
-    most = _LONGEST[0] * distance + _LONGEST[1] * radius + choices[:, 0] + choices[:, 1]
+    most = LONGEST_DRIVES[0] * distance + LONGEST_DRIVES[1] * radius + choices[:, 0] + choices[:, 1]
     order = np.argsort(lengths, kind="stable")
     order = order[(lengths <= most)[order] & (table[order, :, 1] > 0.0).any(axis=1)]
     return table[order], lengths[order]
 
 
+def straights_beside_turns(chains: Sequence[SweptChain]) -> list[float]:
+    """Return the lengths of straights beside turns [m]."""
+    longest = max(float(chain.length[1:].max()) for chain in chains)
+    longest = max(longest, *(0.5 * float(chain.length[1:].sum()) for chain in chains))
+    return [share * longest for share in _STRAIGHTS]
+
+
 def _pairs_of_radii(one: RoadPose, other: RoadPose, radius: float) -> list[tuple[float, float]]:
     """Return the radii of the first and of the last arc: equal, or also those of bent poses."""
-    shared = [share * radius for share in _RADIUS_SHARES]
+    shared = [share * radius for share in RADIUS_SHARES]
     first = [1.0 / abs(one.curvature)] if one.curvature != 0.0 else []
     last = [1.0 / abs(other.curvature)] if other.curvature != 0.0 else []
     bent = list(itertools.product(first + shared, last + shared)) if first or last else []
@@ -211,5 +239,5 @@ def join_poses(first, last, start, goal, choices, drives, lengths):
             length = 0.0
             for k in range(drive.shape[0]):
                 length += drive[k, 1]
-                drive[k, 1] = drive[k, 1] if drive[k, 1] > _SHORTEST else 0.0
+                drive[k, 1] = drive[k, 1] if drive[k, 1] > SHORTEST_SEGMENT else 0.0
             lengths[number] = length if turned <= TWO_PI else math.inf

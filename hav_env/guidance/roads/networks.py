@@ -1,11 +1,18 @@
 """This module builds the road networks of a site: edges, and all shortest paths once."""
 
-from collections.abc import Sequence
+import logging
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from hav_env.guidance.roads.connections import (
+    Connection,
+    Survey,
+    dubins_lengths,
+    find_connections,
+    keeps_clear,
+)
 from hav_env.guidance.roads.edges import (
-    EDGE_SEGMENTS,
     Drive,
     RoadPose,
     chain_to_sweep,
@@ -15,6 +22,7 @@ from hav_env.guidance.roads.edges import (
 from hav_env.guidance.roads.model import NO_EDGE, RoadNetworks, Roads, RoadVehicle
 from hav_env.guidance.walls import Walls, lay_grid, measure_gaps
 
+_log = logging.getLogger(__name__)
 _CELL = 1.0  # [m], of the grid that speeds up the check of the ways to a pose
 _DECIMALS = 6  # of radii [m]: equal vehicles share a network
 _ROUNDED = 1e-9  # share of a curvature
@@ -31,7 +39,8 @@ def build_networks(
     """Return the networks of a site: one for each turning radius.
 
     Edges of a network are clear for all vehicles of its radius. Paths lead through road poses, not
-    through the places where HAVs stop.
+    through the places where HAVs stop. A path between places is clear as a whole: the chain begins
+    straight, and no edge assumes another posture than the chain has.
 
     Args:
         roads: Clearance, radii.
@@ -54,21 +63,17 @@ def build_networks(
     ends: list[int] = []
     drives: list[Drive] = []
     for k, radius in enumerate(networks):
-        chains = [
-            chain_to_sweep(vehicle, len(walls))
-            for vehicle, own in zip(vehicles, known, strict=True)
-            if own == radius
-        ]
+        own = [vehicle for vehicle, its in zip(vehicles, known, strict=True) if its == radius]
+        chains = [chain_to_sweep(vehicle, len(walls)) for vehicle in own]
+        widened = float(roads.widening * radius)
+        limits = float(roads.clearance), float(roads.bend)
+        survey = Survey(chains, walls, nodes, joins, widened, *limits)
         for one, other in np.argwhere(joins[:count]):
-            drive = find_edge(
-                *(chains, walls, nodes[one], nodes[other], roads.widening * radius),
-                *(roads.clearance, roads.bend),
-            )
+            drive = find_edge(chains, walls, nodes[one], nodes[other], widened, *limits)
             if drive is not None:
-                left[k, one, other], edge[k, one, other] = drive.length, len(drives)
-                drives.append(drive)
-                ends.append(other)
+                _add(left[k], edge[k], ends, drives, int(one), int(other), drive)
         join_all(left[k], edge[k], joins[count])
+        _connect_places(survey, left[k], edge[k], ends, drives)
     count_of, table = _tabulate(drives)
     widest = max(float(vehicle.shape[:, 0].max()) for vehicle in vehicles)
     grid, rows, columns = lay_grid(bounds, _CELL)
@@ -79,6 +84,63 @@ def build_networks(
         widest + float(roads.clearance),
         float(roads.widening),
     )
+
+
+def _add(
+    left: np.ndarray,
+    edge: np.ndarray,
+    ends: list[int],
+    drives: list[Drive],
+    one: int,
+    other: int,
+    drive: Drive,
+) -> None:
+    """Make a drive the edge between two poses of a network (P, P)."""
+    left[one, other], edge[one, other] = drive.length, len(drives)
+    drives.append(drive)
+    ends.append(other)
+
+
+def _connect_places(
+    survey: Survey, left: np.ndarray, edge: np.ndarray, ends: list[int], drives: list[Drive]
+) -> None:
+    """Find drives between the places that no path joins, or one that is not clear as a whole.
+
+    The rest of such a drive behind a road pose serves that pose if it has no path to the goal.
+    """
+    places = ~survey.joins[-1]
+    wanted = survey.joins[:-1] & places & places[:, None]
+    for one, other in np.argwhere(wanted & np.isfinite(left)):
+        parts, at = [], int(one)
+        while at != other:
+            number = edge[at, other]
+            parts.append(drives[number])
+            at = ends[number]
+        if len(parts) > 1:
+            whole = tuple(segment for part in parts for segment in part.segments)
+            if not keeps_clear(survey, int(one), Drive(whole, float(left[one, other]))):
+                left[one, other], edge[one, other] = np.inf, NO_EDGE
+    missing = wanted & ~np.isfinite(left)
+    if missing.any():
+        told = "hav_env finds drives between %d pairs of places: some minutes at most, once ..."
+        _log.warning(told, np.count_nonzero(missing))
+    apart = dubins_lengths(survey.nodes, survey.radius)
+    tails: list[tuple[int, int, Drive]] = []
+    for start in np.flatnonzero(missing.any(axis=1)):
+        goals = np.flatnonzero(missing[start]).tolist()
+        for goal, connection in find_connections(survey, apart, int(start), goals).items():
+            _add(left, edge, ends, drives, int(start), goal, connection.drive)
+            tails += [(pose, goal, rest) for pose, rest in _rests_of(connection)]
+    for pose, goal, rest in tails:
+        if not np.isfinite(left[pose, goal]):
+            _add(left, edge, ends, drives, pose, goal, rest)
+
+
+def _rests_of(connection: Connection) -> Iterator[tuple[int, Drive]]:
+    """Yield the rest of a drive behind each road pose on it."""
+    for pose, before in connection.passed:
+        rest = connection.drive.segments[before:]
+        yield pose, Drive(rest, sum(length for _, length in rest))
 
 
 def _check_curvatures(poses: np.ndarray, vehicles: Sequence[RoadVehicle]) -> None:
@@ -110,11 +172,10 @@ def join_all(left: np.ndarray, edge: np.ndarray, through: np.ndarray) -> None:
 
 def _tabulate(drives: Sequence[Drive]) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers of segments (E,), and the segments (E, M, 3) without empty ones."""
-    count = np.zeros(len(drives), np.int32)
-    table = np.zeros((len(drives), EDGE_SEGMENTS, 3))
+    count = np.array([len(drive.segments) for drive in drives], np.int32)
+    table = np.zeros((len(drives), max(count, default=1), 3))
     for number, drive in enumerate(drives):
-        kept = np.array([segment for segment in drive.segments if segment[1] > 0.0])
-        count[number] = len(kept)
+        kept = np.array(drive.segments)
         table[number, : len(kept), :2] = kept
         table[number, : len(kept), 2] = drive.length - np.cumsum(kept[:, 1])
     return count, table

@@ -16,6 +16,8 @@ _AISLES_CROSS_AISLE = 5.0
 """Width of the aisles at both ends of the racks [m]; assumed."""
 _AISLES_STOP = 5.0
 """Stop of a truck's rear axle ahead of the middle of its aisle [m]; assumed."""
+_AISLES_ROAD_AT = 14.0
+"""Poses in the cross aisles, in both directions between two aisles [m]; chosen."""
 
 
 def aisles() -> SitePoses:
@@ -36,6 +38,11 @@ def aisles() -> SitePoses:
         places[name].append((left + (k + 0.5) * pitch, side * _AISLES_STOP, side * math.pi / 2))
     ways = {"north": ["south"], "south": ["north"]}
     site = build_site([(-end, -top), (end, -top), (end, top), (-end, top)], racks)
-    return site_poses(
-        site, catalogue_fleet(SITE_VEHICLES["aisles-6"]), places, ways, list(places), 6
-    )
+    road = [
+        (left + k * pitch, side * _AISLES_ROAD_AT, heading, 0.0)
+        for side in (1.0, -1.0)
+        for k in range(1, _AISLES_NUM_AISLES)
+        for heading in (0.0, math.pi)
+    ]
+    fleet = catalogue_fleet(SITE_VEHICLES["aisles-6"])
+    return site_poses(site, fleet, places, ways, list(places), 6, road=road)

@@ -42,6 +42,12 @@ _APRON_STAND_ASIDE, _APRON_STAND_STOP = 8.0, -30.0
 belt loader fits between the train and the hold."""
 _APRON_WEST, _APRON_SOUTH, _APRON_EAST, _APRON_NORTH = -114.0, -70.0, 158.0, 20.0
 """Bounds of the apron [m]; assumed."""
+_APRON_BEHIND = tuple((x, -60.0, 0.0, 0.0) for x in (-48.0, 12.0, 72.0))
+_APRON_BEFORE = tuple((x, 10.0, math.pi, 0.0) for x in (-58.0, 14.0, 87.0))
+"""Poses on the roads behind the aircraft and before their noses; chosen for this scenario."""
+_APRON_OUT, _APRON_BETWEEN = (19.0, -25.5), -12.0
+"""Poses beside a wing: from the axis and the nose of an aircraft; and between two wings: from their
+noses [m]; chosen for this scenario."""
 
 
 def apron() -> SitePoses:
@@ -75,4 +81,18 @@ def apron() -> SitePoses:
     }
     ways = {"hall": ["aircraft"], "aircraft": ["hall"]}
     site = build_site(bounds, [*walls, *aircraft])
-    return site_poses(site, catalogue_fleet(SITE_VEHICLES["apron-6"]), places, ways, ["hall"], 6)
+    fleet = catalogue_fleet(SITE_VEHICLES["apron-6"])
+    return site_poses(site, fleet, places, ways, ["hall"], 6, road=_road(axes))
+
+
+def _road(axes: list[float]) -> list[tuple[float, float, float, float]]:
+    """Return the road poses: round the apron, and beside each aircraft."""
+    aside, y = _APRON_OUT
+    out = [
+        (at + side * aside, y, 0.0 if side > 0.0 else math.pi, 0.0)
+        for at in axes
+        for side in (-1.0, 1.0)
+    ]
+    gaps = [axes[0] - 0.5 * _APRON_PITCH, *(at + 0.5 * _APRON_PITCH for at in axes)]
+    between = [(x, _APRON_BETWEEN, math.pi / 2, 0.0) for x in gaps]
+    return [*_APRON_BEHIND, *out, *between, *_APRON_BEFORE]

@@ -6,7 +6,7 @@ import numpy as np
 
 from hav_env.places import build_site
 from hav_env.scenarios.catalogue_fleet import catalogue_fleet
-from hav_env.scenarios.site_poses import SitePoses, site_poses
+from hav_env.scenarios.site_poses import SitePoses, site_poses, turn_pose
 from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 
 _HAUL_LANE = 4.4
@@ -19,6 +19,13 @@ _HAUL_PILE = ((-95.0, -3.0), (-40.0, 10.0))
 """Two corners of the pile inside of a loop [m], from the mouth of the road; assumed."""
 _HAUL_STOP, _HAUL_LANES_AT = -62.0, (-11.0, -16.0, -21.0, -26.0)
 """Stops of the trucks' rear axles [m], from the mouth of the road; assumed."""
+_HAUL_OUT, _HAUL_INTO = (30.0, -2.2, 0.0, 0.0), (9.0, 2.2, math.pi, 0.0)
+"""Poses on the lanes of the road, out of a loop and into it; chosen for this scenario."""
+_HAUL_ROUND_PILE = ((-55.0, 22.0, math.pi, 0.0), (-118.0, 2.0, -math.pi / 2, 0.0))
+"""Poses round the pile; chosen for this scenario."""
+_HAUL_IN_BEND = 49.6, 52.2
+"""Radii of the poses in the middle of the bend [m], to the dumping loop and from it; chosen: road
+trains on the inner lane need a part of the outer one."""
 _HAUL_BEND_STEPS = 12
 
 
@@ -48,7 +55,22 @@ def haul_road() -> SitePoses:
     fleet = catalogue_fleet(SITE_VEHICLES["haul-road-4"])
     places = {"loading": loading, "dumping": dumping}
     ways = {"loading": ["dumping"], "dumping": ["loading"]}
-    return site_poses(site, fleet, places, ways, list(places), 4)
+    return site_poses(site, fleet, places, ways, list(places), 4, road=_road())
+
+
+def _road() -> list[tuple[float, float, float, float]]:
+    """Return the road poses: along the lanes, and round the piles."""
+    loop = [_HAUL_OUT, _HAUL_INTO, *_HAUL_ROUND_PILE]
+    road = [
+        *loop,
+        *((*_turned((x, y)), *turn_pose((x, y, h, k), math.pi / 2)[2:]) for x, y, h, k in loop),
+    ]
+    for radius, side in zip(_HAUL_IN_BEND, (-1.0, 1.0), strict=True):
+        aside = radius * math.sqrt(0.5)
+        x, y = _HAUL_STRAIGHT + aside, aside - _HAUL_BEND
+        heading = -math.pi / 4 if side < 0.0 else 0.75 * math.pi
+        road.append((x, y, heading, side / radius))
+    return road
 
 
 def _turned(point: tuple[float, float]) -> tuple[float, float]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from hav_env.places import build_site
 from hav_env.scenarios.catalogue_fleet import catalogue_fleet
-from hav_env.scenarios.site_poses import SitePoses, site_poses
+from hav_env.scenarios.site_poses import SitePoses, site_poses, turn_pose
 from hav_env.scenarios.sites.vehicles import SITE_VEHICLES
 
 _ROUNDABOUT_ISLAND = 5.3
@@ -25,6 +25,10 @@ _ROUNDABOUT_HEAD_LENGTH, _ROUNDABOUT_HEAD_HALF_WIDTH = 88.0, 28.0
 """Size of the turning place at the end of each arm [m]; assumed."""
 _ROUNDABOUT_WAITING_AT, _ROUNDABOUT_WAITING_ASIDE = 84.0, (3.0, 7.5)
 """Rear axles of waiting trucks [m], from the middle and to the right; assumed."""
+_ROUNDABOUT_ROAD = ((45.0, 2.0, math.pi, 0.0), (48.0, -2.0, 0.0, 0.0))
+"""Poses on the lanes of an arm, to the ring and from it; chosen for this scenario."""
+_ROUNDABOUT_ON_RING = 11.5
+"""Radius of the poses on the ring, halfway between two arms [m]; chosen for this scenario."""
 _ROUNDABOUT_STEPS = 6
 _ROUNDABOUT_ISLAND_SIDES = 24
 
@@ -74,6 +78,12 @@ def roundabout() -> SitePoses:
     island = _ROUNDABOUT_ISLAND * np.stack([np.cos(corners), np.sin(corners)], axis=-1)
     ways = {name: [other for other in places if other != name] for name in places}
     site = build_site(bounds, [island.tolist()])
-    return site_poses(
-        site, catalogue_fleet(SITE_VEHICLES["roundabout-6"]), places, ways, list(places), 6
-    )
+    aside = _ROUNDABOUT_ON_RING * math.sqrt(0.5)
+    on_ring = aside, aside, 0.75 * math.pi, 1.0 / _ROUNDABOUT_ON_RING
+    road = [
+        turn_pose(pose, arm * math.pi / 2)
+        for arm in range(4)
+        for pose in (*_ROUNDABOUT_ROAD, on_ring)
+    ]
+    fleet = catalogue_fleet(SITE_VEHICLES["roundabout-6"])
+    return site_poses(site, fleet, places, ways, list(places), 6, road=road)
