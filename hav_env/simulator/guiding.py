@@ -8,7 +8,7 @@ import numpy as np
 from hav_env.guidance import Feasible, Lattice, Roads, Witness
 from hav_env.guidance.feasible_chains import planning_rows
 from hav_env.guidance.lattices import load_lattices
-from hav_env.guidance.roads.networks import build_networks
+from hav_env.guidance.roads.files import load_networks
 from hav_env.guidance.roads.model import RoadVehicle
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_fields
@@ -92,7 +92,7 @@ def _(guidance: Roads, scenario: Any, vehicle: Any, task: Any) -> OnRoads:
     widest = guidance.widening * max(kind.radius for kind in kinds)
     walls = scenario.site.segment
     bounds = _bounds_of(scenario.site, poses, widest)
-    networks = build_networks(guidance, walls, poses, joins, kinds, bounds)
+    networks = load_networks(guidance, walls, poses, joins, kinds, bounds)
     return OnRoads(networks, np.zeros((0, 0, 0), np.int32), np.zeros((0, 0, 0)))
 
 

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from hav_env.compiled.cache_folder import find_home
-from hav_env.guidance import Lattice, LatticeTable, find_lengths, load_lengths, table_files
+from hav_env.guidance import (
+    Lattice,
+    LatticeTable,
+    array_files,
+    find_lengths,
+    load_lengths,
+    table_files,
+)
 
 LATTICE = Lattice(cell=2.0, headings=8, clearance=1.5, direct=10.0)
 WALL = np.array([[0.0, 0.0, 12.0, 0.0]])
@@ -97,7 +104,7 @@ def test_broken_files_are_told_and_made_anew(folder, caplog):
 
 
 def test_without_a_place_for_files_tables_are_found_anew(monkeypatch, folder, caplog):
-    monkeypatch.setattr(table_files, "find_home", lambda wanted: None)
+    monkeypatch.setattr(array_files, "find_home", lambda wanted: None)
     assert same(load_lengths(**GIVEN), find_lengths(**GIVEN))
     monkeypatch.undo()
     assert not folder.exists()
@@ -109,11 +116,11 @@ def test_what_cannot_be_kept_is_told(folder, caplog):
     find_home.cache_clear()
     with caplog.at_level(logging.WARNING):
         assert same(load_lengths(**GIVEN), find_lengths(**GIVEN))
-    assert "cannot keep a lattice" in caplog.text
+    assert "cannot keep a file" in caplog.text
 
 
 def test_the_newest_files_stay(folder, monkeypatch):
-    monkeypatch.setattr(table_files, "_MOST_FILES", 3)
+    monkeypatch.setattr(array_files, "_MOST_FILES", 3)
     for name, other in OTHERS.items():
         load_lengths(**GIVEN | {name: other})
     assert len(list(folder.iterdir())) == 3
