@@ -5,11 +5,13 @@ import pytest
 import shapely
 
 from hav_env import Batch, Field
+from hav_env.scenarios.presets import find_scenario
+from hav_env.scenarios.sites.field import _NAMES
 from hav_env.vehicles import VEHICLES
 from hav_env.world.units.reading import limits_in
-from tests.support.budgets import budget
+from tests.support.budgets import COMPILED, budget
 from tests.support.obstacles import touching_walls, wall_shapes
-from tests.support.ways import way_bodies, way_of
+from tests.support.ways import least_gaps, way_bodies, way_of
 
 FIELD = Field(num_havs=2)
 
@@ -35,6 +37,23 @@ def test_no_wall_is_near_the_way_of_any_hav(worlds):
             least.append(gaps.min())
     assert min(least) > FIELD.margin - 0.01
     assert np.median(least) < FIELD.margin + 5.0
+
+
+@pytest.mark.skipif(not COMPILED, reason="millions of strides")
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", ["field-1", "field-4"])
+def test_no_wall_is_near_a_way_in_ten_thousand_worlds(name):
+    """NumPy drives all chains; Shapely measures gaps every half metre of the way.
+
+    Between two looks no corner moves as far as the margin allows.
+    """
+    field, least = find_scenario(name), []
+    for begin in range(0, 10_000, 500):
+        batch = Batch(field, 500, vehicle=VEHICLES.make("realistic"))
+        batch.reset(2026, np.arange(begin, begin + 500))
+        least.append(least_gaps(batch.worlds, _NAMES, field.widening).min())
+    assert min(least) > field.margin - 0.01
+    assert min(least) < field.margin + 0.1
 
 
 def test_nobody_starts_at_a_wall_and_walls_are_as_long_as_they_should_be(worlds):
