@@ -14,7 +14,7 @@ from hav_env.vehicles import VEHICLES
 SCORES = pathlib.Path(__file__).parent / "catalogue" / "scores.json"
 EPISODES, SEED, MOST_STEPS = 20, 0, 5_000
 MOST_HAVS = 400  # of all episodes of a score: large swarms have fewer episodes
-SLOW, MOST_HAVS_OF_SLOW = ("context", "ppo_reserve"), 10  # of a scenario
+SLOW, MOST_HAVS_OF_SLOW = ("context", "ppo_reserve", "ppo_swarm"), 10  # of a scenario
 SHARES = ("jackknifed", "actual_collision", "obstacle_collision", "goal_1_hit", "goal_2_hit")
 
 

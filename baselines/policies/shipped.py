@@ -12,7 +12,7 @@ from hav_env.policies.filtered import Filtered
 TRAINED = {
     name: pathlib.Path(__file__).parent / f"{name}{SUFFIX}"
     # the training of ppo_pair began with ppo_beginner
-    for name in ("ppo_single", "ppo_guided", "ppo_pair", "ppo_beginner")
+    for name in ("ppo_single", "ppo_guided", "ppo_pair", "ppo_swarm", "ppo_beginner")
 }
 
 # read at their first use
@@ -25,6 +25,9 @@ ppo_reserve: Filtered
 collisions."""
 ppo_pair: Network
 """Network that PPO trained for pairs."""
+ppo_swarm: Filtered
+"""Network that IPPO trained for swarms of five, which pools any number of neighbours, with its
+jackknife filter and Reserve as its backup."""
 ppo_beginner: Network
 """Network from which the training of ppo_pair began."""
 
