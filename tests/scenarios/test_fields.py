@@ -9,7 +9,7 @@ from hav_env.scenarios.presets import find_scenario
 from hav_env.scenarios.sites.field import _NAMES
 from hav_env.vehicles import VEHICLES
 from hav_env.world.units.reading import limits_in
-from tests.support.budgets import COMPILED, budget
+from tests.support.budgets import COMPILED, audited, budget
 from tests.support.obstacles import touching_walls, wall_shapes
 from tests.support.ways import least_gaps, way_bodies, way_of
 
@@ -42,15 +42,15 @@ def test_no_wall_is_near_the_way_of_any_hav(worlds):
 @pytest.mark.skipif(not COMPILED, reason="millions of strides")
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", ["field-1", "field-4"])
-def test_no_wall_is_near_a_way_in_ten_thousand_worlds(name):
+def test_no_wall_is_near_a_way_in_many_worlds(name):
     """NumPy drives all chains; Shapely measures gaps every half metre of the way.
 
-    Between two looks no corner moves as far as the margin allows.
+    With HAV_AUDIT=1 in 10,000 worlds. Between two looks no corner moves as far as the margin.
     """
     field, least = find_scenario(name), []
-    for begin in range(0, 10_000, 500):
-        batch = Batch(field, 500, vehicle=VEHICLES.make("realistic"))
-        batch.reset(2026, np.arange(begin, begin + 500))
+    for begin in range(0, audited(10_000, 200), 100):
+        batch = Batch(field, 100, vehicle=VEHICLES.make("realistic"))
+        batch.reset(2026, np.arange(begin, begin + 100))
         least.append(least_gaps(batch.worlds, _NAMES, field.widening).min())
     assert min(least) > field.margin - 0.01
     assert min(least) < field.margin + 0.1

@@ -1,7 +1,7 @@
-"""In a thousand worlds of every scenario with walls, first hits are those of a brute force.
+"""In every scenario with walls, first hits are those of a brute force.
 
-HAVs drive at random. Shapely compares all bodies with all segments after each step, until each HAV
-has hit one.
+With HAV_AUDIT=1 there are a thousand worlds of each. HAVs drive at random. Shapely compares all
+bodies with all segments after each step, until each HAV has hit one.
 """
 
 import numpy as np
@@ -11,10 +11,11 @@ from hav_env import Batch, Field
 from hav_env.scenarios.presets import SITES
 from hav_env.vehicles import VEHICLES
 from hav_env.world.arrays import NEVER, OBSTACLE, WHEN
-from tests.support.budgets import COMPILED
+from tests.support.budgets import COMPILED, audited
 from tests.support.obstacles import first_touches, wall_shapes
 
-WORLDS, STEPS, KEPT = 1_000, 400, 10  # steps for which commands are kept
+WORLDS, STEPS = audited(1_000, 30), 400
+KEPT = 10  # steps for which commands are kept
 SCENARIOS = {"field-1": Field(num_havs=1), "field-4": Field(num_havs=4), **SITES}
 
 
