@@ -91,7 +91,7 @@ def check_behind(backup: Any, scenario: Scenario, task: Task, vehicle: Vehicle) 
 
 
 @generic
-def judge(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
+def filter_and_back_up(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
     """Filter the commands of one HAV in every lane, then let a backup take or replace them.
 
     Args:
@@ -108,12 +108,12 @@ def judge(backup, safety, task, vehicle, memory, world, agent, speed, steering, 
     """
 
 
-@judge.register(NoBackup)
+@filter_and_back_up.register(NoBackup)
 def _judge_by_filter(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
     _filter(safety, task, vehicle, world, agent, speed, steering, rows)
 
 
-@judge.otherwise
+@filter_and_back_up.otherwise
 def _judge_by_both(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
     _filter(safety, task, vehicle, world, agent, speed, steering, rows)
     for lane in range(world.lanes):
@@ -167,7 +167,7 @@ def _judge_all(safety, task, vehicle, world, command, filtered, memory, rows):
             steering[agent, lane] = command[1, agent, lane]
         moving = moving_block(world, agent)
         first = moving.first - world.first
-        judge(
+        filter_and_back_up(
             safety.backup,
             safety.safety,
             task,

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from hav_env.compiled import canonical, generic, kernel
 from hav_env.models.protocols import Scenario, Vehicle
-from hav_env.policies.backed import check_as_backup, check_behind, judge
+from hav_env.policies.backed import check_as_backup, check_behind, filter_and_back_up
 from hav_env.policies.backup import NoBackup, backup_rows
 from hav_env.policies.checks import check_parameters, check_policy, check_rules
 from hav_env.policies.demands import bind, guidance_of, wants_adjacent_memory
@@ -119,7 +119,9 @@ def _propose_to_backup(backup, policy, memory, world, agent, speed, steering):
 def _judge(policy, memory, own, world, agent, speed, steering):
     rows = own[agent, own.shape[1] - _TRIAL_ROWS :]
     safety, task, vehicle = policy.safety, policy.task, policy.vehicle
-    judge(policy.backup, safety, task, vehicle, memory, world, agent, speed, steering, rows)
+    filter_and_back_up(
+        policy.backup, safety, task, vehicle, memory, world, agent, speed, steering, rows
+    )
 
 
 @memory_size.register

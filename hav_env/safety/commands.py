@@ -25,7 +25,7 @@ from hav_env.safety.trial_moves import (
     drive_on_trial,
     put_back,
 )
-from hav_env.safety.waves import PENDING, STRAIGHTENS, UNSAFE, UNSURE, enter, judge, wave
+from hav_env.safety.waves import PENDING, UNSAFE, UNSURE, WILL_STRAIGHTEN, enter, judge, wave
 from hav_env.world.arrays import SPEED, STEERING
 from hav_env.world.lanes import block_of
 
@@ -99,11 +99,11 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
         active = 0
         for bay in range(slots // width):
             own = chains.bay[0, bay]
-            lane, number, verdict = int(own[OWN_LANE]), int(own[TRIAL_NUMBER]), STRAIGHTENS
+            lane, number, verdict = int(own[OWN_LANE]), int(own[TRIAL_NUMBER]), WILL_STRAIGHTEN
             if lane >= 0:
                 verdict = judge(safety, vehicle, chains, bay, width, beyond)
             while verdict != PENDING:
-                if verdict == STRAIGHTENS:
+                if verdict == WILL_STRAIGHTEN:
                     lane, number = _next_in_doubt(world, agent, rows, begin, more, most), -1
                     begin = lane + 1
                     if lane >= world.lanes:
@@ -116,7 +116,7 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
                     straight = straightens_out(
                         safety, vehicle, dt, one, agent, own_speed, own_steering, own_rows
                     )
-                    verdict = STRAIGHTENS if straight else UNSAFE
+                    verdict = WILL_STRAIGHTEN if straight else UNSAFE
                 elif verdict == UNSAFE:
                     number += 1
                 if number >= 0 or unsure:
@@ -130,7 +130,7 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
                 if number == len(_STEERING_SHARES) or (
                     bent and given and not is_in_doubt(dt, one, agent, own_rows)
                 ):
-                    verdict = STRAIGHTENS
+                    verdict = WILL_STRAIGHTEN
             active += own[OWN_LANE] >= 0.0
         if active > 0:
             beyond = wave(vehicle, h, world, chains, width, slots)

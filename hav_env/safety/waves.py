@@ -56,7 +56,7 @@ from hav_env.vehicles import OffAxle, OnAxle, lead, pull
 from hav_env.world.arrays import ARTICULATION, SPEED
 from hav_env.world.units.joints import hitch_offset, joint_limit
 
-UNSAFE, PENDING, STRAIGHTENS, UNSURE = range(-1, 3)
+UNSAFE, PENDING, WILL_STRAIGHTEN, UNSURE = range(-1, 3)
 # more than the error of a bound and of a prediction together [rad]
 _UNSURE_ANGLE = 1e-7
 
@@ -168,7 +168,7 @@ def _look(vehicle, chains, bay, width):
 
 @kernel
 def judge(safety, vehicle, chains, bay, width, beyond):
-    """Return, after a wave, whether the HAV in a bay straightens: STRAIGHTENS .. UNSURE.
+    """Return, after a wave, whether the HAV in a bay straightens: WILL_STRAIGHTEN .. UNSURE.
 
     A bound that holds at step t and a joint that is at its limit later contradict each other; so
     the HAV does not straighten if the excess is clear. If no bound has held until the horizon, one
@@ -194,7 +194,7 @@ def judge(safety, vehicle, chains, bay, width, beyond):
         return UNSURE
     look = chains.look[bay, number if number >= 0 else number + MOST_LOOKS]
     spread = look[GREATEST_SO_FAR] - look[LEAST_SO_FAR]
-    return STRAIGHTENS if spread < own[MOST_SPREAD] or look[UNHELD] == 0.0 else PENDING
+    return WILL_STRAIGHTEN if spread < own[MOST_SPREAD] or look[UNHELD] == 0.0 else PENDING
 
 
 @kernel
