@@ -189,7 +189,9 @@ def test_a_run_writes_a_file_that_drives(module, changes, tmp_path, capsys):
     scenario = find_scenario(changes["scenario"])
     table = rollout(load_policy(folder / "last.policy"), scenario, 1, np.arange(2), EVALUATED)
     assert len(table) == 2 * scenario.num_havs
-    assert min(table["path_length"].to_pylist()) > 0.0
+    # Reserve stands where the proposed speed is low
+    least = max if "backup" in changes else min
+    assert least(table["path_length"].to_pylist()) > 0.0
 
 
 def test_updates_change_actor_and_critic_and_the_same_seed_gives_the_same(tmp_path):
