@@ -5,22 +5,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import fixed, generic, lanes_from
+from hav_env.compiled import generic
 from hav_env.models.annotations import show
 from hav_env.models.protocols import Scenario, Vehicle
-from hav_env.policies.backup import NoBackup, back_up, backup_rows, check_backup
+from hav_env.policies.backup import back_up, backup_rows, check_backup
 from hav_env.policies.checks import check_policy
 from hav_env.policies.interface import allocate_memory, memory_size
 from hav_env.policies.names import make_policy
-from hav_env.safety import SafetyFilter, Unfiltered, filter_commands, keep_safe
+from hav_env.safety import SafetyFilter, Unfiltered, filter_command
 from hav_env.safety.trial_moves import ASKED_SPEED, ASKED_STEERING
 from hav_env.world.arrays import INTERVENTIONS
-from hav_env.world.lanes import moving_block
 from hav_env.world.task import Task
 
 
 class Backed(NamedTuple):
-    """A safety filter with a backup behind it, for the commands of all HAVs of an environment."""
+    """A safety filter with a backup behind it: the filter of an environment or of a policy."""
 
     safety: SafetyFilter | Unfiltered
     backup: Any
@@ -90,56 +89,19 @@ def check_behind(backup: Any, scenario: Scenario, task: Task, vehicle: Vehicle) 
     check_backup(backup, scenario)
 
 
-@generic
-def filter_and_back_up(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
-    """Filter the commands of one HAV in every lane, then let a backup take or replace them.
-
-    Args:
-        backup: Backup, or ``NoBackup``.
-        safety: Safety filter, or ``Unfiltered``.
-        task: Rules of the episodes.
-        vehicle: Vehicle model (kinematics).
-        memory: (N, K, W); the first rows are the backup's.
-        world: Block of worlds, as ``moving_block`` makes it.
-        agent: Index of the HAV.
-        speed: (N, W) commands [m/s]; row ``agent`` is overwritten where they change.
-        steering: (N, W) commands [rad]; row ``agent`` is overwritten where they change.
-        rows: (``scratch_rows``, W) scratch of the filter.
-    """
-
-
-@filter_and_back_up.register(NoBackup)
-def _judge_by_filter(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
-    _filter(safety, task, vehicle, world, agent, speed, steering, rows)
-
-
-@filter_and_back_up.otherwise
-def _judge_by_both(backup, safety, task, vehicle, memory, world, agent, speed, steering, rows):
-    _filter(safety, task, vehicle, world, agent, speed, steering, rows)
+@filter_command.register(Backed)
+def _filter_and_back_up(safety, task, vehicle, memory, world, agent, speed, steering, rows):
+    own = safety.safety
+    filter_command(own, task, vehicle, memory, world, agent, speed, steering, rows)
     for lane in range(world.lanes):
         if not world.state.waiting[agent, lane]:
             proposed = speed[agent, lane], steering[agent, lane]
-            changed = _has_changed(safety, rows, lane, *proposed)
+            changed = _has_changed(own, rows, lane, *proposed)
             taken, speed[agent, lane], steering[agent, lane] = back_up(
-                backup, memory, world, agent, lane, *proposed
+                safety.backup, memory, world, agent, lane, *proposed
             )
             # the filter has counted its own changes
             world.record.total[agent, INTERVENTIONS, lane] += 0.0 if taken or changed else 1.0
-
-
-@generic
-def _filter(safety, task, vehicle, world, agent, speed, steering, rows):
-    """Filter the commands of one HAV in every lane."""
-
-
-@_filter.register(Unfiltered)
-def _pass_on(safety, task, vehicle, world, agent, speed, steering, rows):
-    pass
-
-
-@_filter.register(SafetyFilter)
-def _keep_safe(safety, task, vehicle, world, agent, speed, steering, rows):
-    keep_safe(safety, task, vehicle, world, agent, speed, steering, rows)
 
 
 @generic
@@ -155,28 +117,3 @@ def _never(safety, rows, lane, speed, steering):
 @_has_changed.register(SafetyFilter)
 def _differs(safety, rows, lane, speed, steering):
     return (speed != rows[ASKED_SPEED, lane]) | (steering != rows[ASKED_STEERING, lane])
-
-
-@filter_commands.register(Backed)
-def _judge_all(safety, task, vehicle, world, command, filtered, memory, rows):
-    speed, steering = filtered[0], filtered[1]
-    for hav in range(world.state.x.shape[0]):
-        agent = fixed(hav)
-        for lane in range(world.lanes):
-            speed[agent, lane] = command[0, agent, lane]
-            steering[agent, lane] = command[1, agent, lane]
-        moving = moving_block(world, agent)
-        first = moving.first - world.first
-        filter_and_back_up(
-            safety.backup,
-            safety.safety,
-            task,
-            vehicle,
-            lanes_from(memory, first),
-            moving,
-            agent,
-            lanes_from(speed, first),
-            lanes_from(steering, first),
-            lanes_from(rows, first),
-        )
-    return speed, steering

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from hav_env.compiled import canonical, generic, kernel
 from hav_env.models.protocols import Scenario, Vehicle
-from hav_env.policies.backed import check_as_backup, check_behind, filter_and_back_up
+from hav_env.policies.backed import Backed, check_as_backup, check_behind
 from hav_env.policies.backup import NoBackup, backup_rows
 from hav_env.policies.checks import check_parameters, check_policy, check_rules
 from hav_env.policies.demands import bind, guidance_of, wants_adjacent_memory
@@ -16,6 +16,7 @@ from hav_env.safety import (
     SafetyFilter,
     Unfiltered,
     check_safety,
+    filter_command,
     make_safety,
     scratch_rows,
 )
@@ -105,23 +106,22 @@ def _propose(backup, policy, memory, world, agent, speed, steering):
 @_propose.register(NoBackup)
 def _propose_alone(backup, policy, memory, world, agent, speed, steering):
     act_lanes(policy.policy, memory, world, agent, speed, steering)
-    _judge(policy, memory, memory, world, agent, speed, steering)
+    _filter(policy.safety, policy, memory, memory, world, agent, speed, steering)
 
 
 @_propose.otherwise
 def _propose_to_backup(backup, policy, memory, world, agent, speed, steering):
     own = memory[:, backup_rows(backup) :]
     act_lanes(policy.policy, own, world, agent, speed, steering)
-    _judge(policy, memory, own, world, agent, speed, steering)
+    safety = Backed(policy.safety, backup)
+    _filter(safety, policy, memory, own, world, agent, speed, steering)
 
 
 @kernel
-def _judge(policy, memory, own, world, agent, speed, steering):
+def _filter(safety, policy, memory, own, world, agent, speed, steering):
     rows = own[agent, own.shape[1] - _TRIAL_ROWS :]
-    safety, task, vehicle = policy.safety, policy.task, policy.vehicle
-    filter_and_back_up(
-        policy.backup, safety, task, vehicle, memory, world, agent, speed, steering, rows
-    )
+    task, vehicle = policy.task, policy.vehicle
+    filter_command(safety, task, vehicle, memory, world, agent, speed, steering, rows)
 
 
 @memory_size.register

@@ -10,13 +10,14 @@ from hav_env.safety.filters import (
     check_safety,
     make_safety,
 )
-from hav_env.safety.keeping import filter_commands, keep_safe, scratch_rows
+from hav_env.safety.keeping import filter_command, filter_commands, keep_safe, scratch_rows
 
 __all__ = [
     "SAFETY",
     "SafetyFilter",
     "Unfiltered",
     "check_safety",
+    "filter_command",
     "filter_commands",
     "keep_safe",
     "make_safety",

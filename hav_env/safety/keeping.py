@@ -44,7 +44,7 @@ def _pass_on(safety, task, vehicle, world, command, filtered, memory, rows):
     return command[0], command[1]
 
 
-@filter_commands.register(SafetyFilter)
+@filter_commands.otherwise
 def _filter_all(safety, task, vehicle, world, command, filtered, memory, rows):
     speed, steering = filtered[0], filtered[1]
     for hav in range(world.state.x.shape[0]):
@@ -54,10 +54,11 @@ def _filter_all(safety, task, vehicle, world, command, filtered, memory, rows):
             steering[agent, lane] = command[1, agent, lane]
         moving = moving_block(world, agent)
         first = moving.first - world.first
-        keep_safe(
+        filter_command(
             safety,
             task,
             vehicle,
+            lanes_from(memory, first),
             moving,
             agent,
             lanes_from(speed, first),
@@ -65,6 +66,33 @@ def _filter_all(safety, task, vehicle, world, command, filtered, memory, rows):
             lanes_from(rows, first),
         )
     return speed, steering
+
+
+@generic
+def filter_command(safety, task, vehicle, memory, world, agent, speed, steering, rows):
+    """Filter the commands of one HAV in every lane of a block.
+
+    Args:
+        safety: Safety filter.
+        task: Rules of the episode.
+        vehicle: Vehicle model (kinematics).
+        memory: (N, K, W); the first rows are those of a backup behind the filter.
+        world: Block of worlds, as ``moving_block`` makes it.
+        agent: Index of the HAV.
+        speed: (N, W) commands [m/s]; row ``agent`` is overwritten where the filter changes it.
+        steering: (N, W) commands [rad]; row ``agent`` is overwritten where the filter changes it.
+        rows: (``scratch_rows``, W) scratch.
+    """
+
+
+@filter_command.register(Unfiltered)
+def _keep_command(safety, task, vehicle, memory, world, agent, speed, steering, rows):
+    pass
+
+
+@filter_command.register(SafetyFilter)
+def _keep_safe(safety, task, vehicle, memory, world, agent, speed, steering, rows):
+    keep_safe(safety, task, vehicle, world, agent, speed, steering, rows)
 
 
 @kernel
