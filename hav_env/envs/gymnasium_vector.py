@@ -120,7 +120,7 @@ class _WorldsVectorEnv(VectorEnv):
             everywhere.fill(True)
             info |= self._info(numbers, everywhere)
         elif self._any_over and mode != AutoresetMode.SAME_STEP:
-            info = self._info(np.where(self._over, numbers, 0.0), self._over.copy())
+            info = self._info(_of_worlds(numbers, self._over), self._over.copy())
         rewards = self._view.rewards(reward)
         return self._view.observations(observation), rewards, terminated, truncated, info
 
@@ -230,13 +230,21 @@ class _WorldsVectorEnv(VectorEnv):
         observations = np.full(self.num_envs, None, object)
         for w in np.flatnonzero(over):
             observations[w] = self._view.observations(outcome.observation)[w].copy()
-        numbers = np.where(over, outcome.info, 0.0)
+        numbers = _of_worlds(outcome.info, over)
         return {
             "final_obs": observations,
             "_final_obs": over,
             "final_info": self._info(numbers, over),
             "_final_info": over.copy(),
         }
+
+
+def _of_worlds(numbers: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Return numbers (K, C, W) of the chosen worlds, and zeros for the others: mostly few."""
+    places = np.flatnonzero(chosen)
+    found = np.zeros(numbers.shape)
+    found[..., places] = numbers[..., places]
+    return found
 
 
 class HAVSwarmVectorEnv(_WorldsVectorEnv):
