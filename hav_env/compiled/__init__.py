@@ -11,10 +11,8 @@ from hav_env.compiled.entries import canonical, entry
 from hav_env.compiled.held import Held, arguments_of
 from hav_env.compiled.instructions import (
     TILE_SIDE,
-    bits_of,
     contiguous,
     fixed,
-    float_of,
     fma,
     lanes_from,
     of_width,
@@ -23,34 +21,45 @@ from hav_env.compiled.instructions import (
     transpose_tile,
 )
 from hav_env.compiled.kernels import generic, kernel, loop_kernel, rare_kernel
-from hav_env.compiled.precision import in_single, single
+from hav_env.compiled.precision import (
+    ZEROS,
+    either,
+    like,
+    narrow,
+    rounder_of,
+    single,
+    two_to,
+    whole_in,
+)
 from hav_env.compiled.registers import local_array, shift_up
 from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
 
 __all__ = [
     "TILE_SIDE",
     "VECTOR",
+    "ZEROS",
     "Code",
     "Held",
     "arguments_of",
-    "bits_of",
     "canonical",
     "classes_in",
     "contiguous",
     "default_threads",
     "digest_code",
+    "either",
     "entry",
     "fixed",
-    "float_of",
     "fma",
     "generic",
-    "in_single",
     "kernel",
     "lanes_from",
+    "like",
     "local_array",
     "loop_kernel",
+    "narrow",
     "of_width",
     "rare_kernel",
+    "rounder_of",
     "run_on_threads",
     "share_out",
     "shift_up",
@@ -58,4 +67,6 @@ __all__ = [
     "split_power",
     "take",
     "transpose_tile",
+    "two_to",
+    "whole_in",
 ]

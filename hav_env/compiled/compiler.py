@@ -5,6 +5,8 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import AnalysisPass, register_pass
 from numba.core.untyped_passes import IRProcessing
 
+from hav_env.compiled.precision import MatchConstants
+
 
 class Whole(JITCodeLibrary):
     """Code for the widest vectors: LLVM would halve those of 512 bits."""
@@ -81,6 +83,7 @@ def compiler_into(library_class: type) -> type:
         def define_pipelines(self):
             passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
             passes.add_pass_after(ChooseLibrary, IRProcessing)
+            passes.add_pass_after(MatchConstants, ChooseLibrary)
             passes.finalize()
             return [passes]
 

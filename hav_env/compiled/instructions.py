@@ -34,21 +34,12 @@ _counting = threading.Lock()
 def fma(x, y, z):
     """Return x * y + z, rounded once: one instruction, bit-equal on all machines.
 
-    The result is a float32 if all three are.
+    The result is a float32 if all three are, apart from constants.
     """
-    if type(x) is type(y) is type(z) is np.float32:
+    kinds = type(x), type(y), type(z)
+    if np.float32 in kinds and all(kind is np.float32 or kind is float for kind in kinds):
         return np.float32(_fma_of_singles(x, y, z))
     return _fma(x, y, z)
-
-
-def bits_of(value):
-    """Return the 64 bits of a float as a signed whole number."""
-    return struct.unpack("<q", struct.pack("<d", value))[0]
-
-
-def float_of(bits):
-    """Return the float with these 64 bits."""
-    return struct.unpack("<d", struct.pack("<Q", bits & 0xFFFFFFFFFFFFFFFF))[0]
 
 
 def split_power(x):
@@ -124,8 +115,6 @@ type_callable(split_power)(lambda context: lambda x: numba.types.UniTuple(x, 2))
 type_callable(transpose_tile)(
     lambda context: lambda columns, column, lane, rows, row, place: numba.types.none
 )
-type_callable(bits_of)(lambda context: lambda value: numba.int64)
-type_callable(float_of)(lambda context: lambda bits: numba.float64)
 type_callable(lanes_from)(lambda context: lambda array, first: array)
 type_callable(of_width)(lambda context: lambda array, width: array)
 type_callable(contiguous)(lambda context: lambda row: row.copy(layout="C"))
@@ -203,16 +192,6 @@ def _lower_transpose_tile(context, builder, signature, arguments):
     for row, place in zip(rows, places(3), strict=True):
         builder.store(row, place, align=4)
     return context.get_dummy_value()
-
-
-@lower_builtin(bits_of, numba.types.Float)
-def _lower_bits_of(context, builder, signature, arguments):
-    return builder.bitcast(arguments[0], ir.IntType(64))
-
-
-@lower_builtin(float_of, numba.types.Integer)
-def _lower_float_of(context, builder, signature, arguments):
-    return builder.bitcast(arguments[0], ir.DoubleType())
 
 
 @lower_builtin(lanes_from, numba.types.Array, numba.types.Integer)

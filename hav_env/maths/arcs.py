@@ -3,11 +3,9 @@
 They lead to a pose in the start's frame, and drive forward only.
 """
 
-import math
-
 from hav_env.compiled import kernel
 from hav_env.maths.dubins import INFEASIBLE, LRL, RLR, word_segments
-from hav_env.maths.elementary import atan2, floor
+from hav_env.maths.elementary import atan2, floor, sqrt
 from hav_env.maths.geometry import TURNS_PER_RADIAN, TWO_PI
 
 _ANGLE_ROUNDING = 1e-9  # [rad] an arc that is a whole turn but for this is none at all
@@ -44,7 +42,7 @@ def tangent_path(first_side, last_side, x, y, heading, cosine, sine, first_radiu
     across_y = y + end * cosine - start
     offset = end - start
     squared = across_x * across_x + across_y * across_y - offset * offset
-    straight = math.sqrt(max(squared, 0.0))
+    straight = sqrt(max(squared, 0.0))
     direction = atan2(
         across_y * straight - across_x * offset, across_x * straight + across_y * offset
     )

@@ -11,15 +11,15 @@ shortest.
 
 import math
 
-from hav_env.compiled import kernel
-from hav_env.maths.elementary import atan2, atan2_positive, sincos
+from hav_env.compiled import either, kernel
+from hav_env.maths.elementary import atan2, atan2_positive, sincos, sqrt
 from hav_env.maths.geometry import TWO_PI, wrap
 
 LSL, RSR, LSR, RSL, RLR, LRL = range(6)
 WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
 INFEASIBLE = math.inf
-_ROUNDING = 1e-12  # rounding error of a zero angle [rad] or tangent [radii]
-_IN_SINGLE = {"_ROUNDING": 2e-5}
+# rounding error of a zero angle [rad] or tangent [radii], in double and in single precision
+_ROUNDING = 1e-12, 2e-5
 
 
 @kernel
@@ -38,18 +38,18 @@ def _turn_angle(angle):
     Rounding may turn a zero angle into -1e-17; a vehicle on its path would then drive a full circle
     first. An angle slightly below a whole turn therefore becomes 0.
     """
-    angle = angle + TWO_PI if angle < -_ROUNDING else angle
-    angle = angle + TWO_PI if angle < -_ROUNDING else angle
+    angle = angle + TWO_PI if angle < -either(angle, *_ROUNDING) else angle
+    angle = angle + TWO_PI if angle < -either(angle, *_ROUNDING) else angle
     return max(angle, 0.0)
 
 
 @kernel
 def _outer_tangent(across_x, across_y, heading):
     """Return the path of two left turns and a straight; ``across`` joins the circles' centres."""
-    straight = math.sqrt(across_x * across_x + across_y * across_y)
+    straight = sqrt(across_x * across_x + across_y * across_y)
     towards = atan2(across_y, across_x)
     # start and goal on one circle: the first turn is the whole path
-    first = _turn_angle(heading if straight < _ROUNDING else towards)
+    first = _turn_angle(heading if straight < either(straight, *_ROUNDING) else towards)
     return first, straight, _turn_angle(heading - first)
 
 
@@ -57,12 +57,12 @@ def _outer_tangent(across_x, across_y, heading):
 def _inner_tangent(across_x, across_y, heading):
     """Return the path of a left turn, a straight that changes sides, and a right turn."""
     squared = across_x * across_x + across_y * across_y - 4.0
-    straight = math.sqrt(max(squared, 0.0))  # circles that touch: no straight between them
+    straight = sqrt(max(squared, 0.0))  # circles that touch: no straight between them
     first = _turn_angle(
         atan2(across_y * straight + 2.0 * across_x, across_x * straight - 2.0 * across_y)
     )
     last = _turn_angle(first - heading - TWO_PI)
-    return INFEASIBLE if squared < -_ROUNDING else first, straight, last
+    return INFEASIBLE if squared < -either(squared, *_ROUNDING) else first, straight, last
 
 
 @kernel
@@ -73,7 +73,7 @@ def _third_circle(towards, across, heading):
     their distance [radii], ``towards`` the direction from one to the other.
     """
     left_over = 16.0 - across * across
-    middle = TWO_PI - 2.0 * atan2_positive(across, math.sqrt(max(left_over, 0.0)))
+    middle = TWO_PI - 2.0 * atan2_positive(across, sqrt(max(left_over, 0.0)))
     first = _turn_angle(towards + 0.5 * middle - TWO_PI)
     last = _turn_angle(heading - first + middle - TWO_PI)
     return INFEASIBLE if left_over < 0.0 else first, middle, last

@@ -11,25 +11,25 @@ tests/maths/test_elementary.py.
 
 import math
 
-from hav_env.compiled import bits_of, float_of, fma, kernel, split_power
+from hav_env.compiled import either, fma, kernel, like, rounder_of, split_power, two_to, whole_in
 
-# Added to a float below 2**51, this leaves no bits for a fraction. The sum rounds to the nearest
-# whole number, half to even, and that number is in the lowest bits.
-_ROUNDER = 1.5 * 2.0**52
-_ROUNDER_BITS = bits_of(_ROUNDER)
 _QUARTER_TURNS = 2.0 / math.pi
+# Pairs are constants in double and in single precision, see ``either``.
 # pi / 2 in 159 bits: some numbers are within 1e-17 of its multiples
-_QUARTER_HIGH, _QUARTER_MIDDLE, _QUARTER_LOW = (
-    0.5 * math.pi,
-    6.123233995736766e-17,
-    -1.4973849048591833e-33,
-)
+_QUARTER_HIGH = 0.5 * math.pi
+_QUARTER_MIDDLE = 6.123233995736766e-17, -4.371138828673793e-08
+_QUARTER_LOW = -1.4973849048591833e-33, -1.7151245100058819e-15
 _TAN_PI_8 = 0.41421356237309503
-_SMALLEST = 1e-300  # avoids 0 / 0
+_SMALLEST = 1e-300, 1e-37  # avoids 0 / 0
 _LOG2_E = 1.4426950408889634
-_LN_2_HIGH, _LN_2_LOW = 0.6931471805599453, 2.3190468138462996e-17  # ln 2 in 106 bits
-_EXP_LOW, _EXP_HIGH = -708.0, 709.0  # range in which the result is a normal number
-_IN_SINGLE = {"_SMALLEST": 1e-37, "_LN_2_LOW": -1.904654323148236e-09, "_ROUNDER": 1.5 * 2.0**23}
+_LN_2_HIGH, _LN_2_LOW = 0.6931471805599453, (2.3190468138462996e-17, -1.904654323148236e-09)
+_EXP_LOW, _EXP_HIGH = (-708.0, -87.0), (709.0, 88.0)  # there the result is a normal number
+
+
+@kernel
+def sqrt(x):
+    """Return the square root of a number, as precise as the number."""
+    return like(math.sqrt(x), x)
 
 
 @kernel
@@ -38,7 +38,8 @@ def floor(x):
 
     In single precision |x| must be below 2**22.
     """
-    nearest = (x + _ROUNDER) - _ROUNDER
+    rounder = rounder_of(x)
+    nearest = (x + rounder) - rounder
     return nearest - 1.0 if nearest > x else nearest
 
 
@@ -49,11 +50,12 @@ def sincos(angle):
     The angle is reduced to [-pi / 4, pi / 4]; ``small_sincos`` does the rest. Beyond 1e6 the
     reduction loses digits, and beyond about 1e15 the result is meaningless; NaN stays NaN.
     """
-    shifted = fma(angle, _QUARTER_TURNS, _ROUNDER)
-    quarters = shifted - _ROUNDER
-    quadrant = bits_of(shifted) - _ROUNDER_BITS
-    r = fma(-quarters, _QUARTER_MIDDLE, fma(-quarters, _QUARTER_HIGH, angle))
-    sine, cosine = small_sincos(fma(-quarters, _QUARTER_LOW, r))
+    shifted = fma(angle, _QUARTER_TURNS, rounder_of(angle))
+    quarters = shifted - rounder_of(angle)
+    quadrant = whole_in(shifted)
+    r = fma(-quarters, _QUARTER_HIGH, angle)
+    r = fma(-quarters, either(angle, *_QUARTER_MIDDLE), r)
+    sine, cosine = small_sincos(fma(-quarters, either(angle, *_QUARTER_LOW), r))
     swapped = (quadrant & 1) != 0
     first, second = cosine if swapped else sine, sine if swapped else cosine
     return (
@@ -68,7 +70,7 @@ def small_sincos(r):
 
     In this range the reduction of ``sincos`` changes nothing. 2 r / pi rounds to 0, so ``quarters``
     and ``quadrant`` are 0: nothing is subtracted from r, nothing is swapped, and no sign changes.
-    Only the zeros differ: -0.0 - 0.0 * _QUARTER_LOW is 0.0, because that constant is negative.
+    Only the zeros differ: -0.0 - 0.0 * _QUARTER_LOW is 0.0, because these constants are negative.
     However, the sine of either zero is 0.0: p is negative, so r * z * p + r adds two zeros of
     opposite signs.
 
@@ -89,7 +91,7 @@ def small_sincos(r):
 @kernel
 def atan2_positive(y, x):
     """Return ``atan2`` of two numbers that are not negative."""
-    small, large = min(y, x), max(y, x) + _SMALLEST
+    small, large = min(y, x), max(y, x) + either(x, *_SMALLEST)
     steep = small > _TAN_PI_8 * large
     t = (small - large if steep else small) / (small + large if steep else large)
     # fdlibm's polynomial, with even and odd powers apart: two short sums instead of a long one
@@ -120,11 +122,14 @@ def atan2(y, x):
 
 @kernel
 def exp(x):
-    """Return e**x within 2 ulp; x is clipped to [-708, 709], where the result is normal."""
-    x = min(max(x, _EXP_LOW), _EXP_HIGH)
-    shifted = fma(x, _LOG2_E, _ROUNDER)
-    doublings = shifted - _ROUNDER
-    r = fma(-doublings, _LN_2_LOW, fma(-doublings, _LN_2_HIGH, x))
+    """Return e**x within 2 ulp; x is clipped to [-708, 709], where the result is normal.
+
+    In single precision x is clipped to [-87, 88].
+    """
+    x = min(max(x, either(x, *_EXP_LOW)), either(x, *_EXP_HIGH))
+    shifted = fma(x, _LOG2_E, rounder_of(x))
+    doublings = shifted - rounder_of(x)
+    r = fma(-doublings, either(x, *_LN_2_LOW), fma(-doublings, _LN_2_HIGH, x))
     # (e^r - 1 - r) / r^2 interpolated at Chebyshev's points, even and odd powers apart
     z = r * r
     p = fma(2.7620075880100385e-07, z, 2.4801521322368448e-05)
@@ -133,8 +138,7 @@ def exp(x):
     q = fma(2.510037583265122e-08, z, 2.7557268480309837e-06)
     q = fma(fma(q, z, 1.9841269863040545e-04), z, 8.333333333330065e-03)
     q = fma(q, z, 1.6666666666666669e-01)
-    power = float_of((bits_of(shifted) - _ROUNDER_BITS + 1023) << 52)  # 2**doublings
-    return power * (1.0 + fma(z, fma(r, q, p), r))
+    return two_to(shifted) * (1.0 + fma(z, fma(r, q, p), r))
 
 
 @kernel
@@ -153,5 +157,5 @@ def log(x):
     p = fma(fma(p, w, 2.857142874366239149e-01), w, 6.666666666666735130e-01)
     q = fma(fma(1.531383769920937332e-01, w, 2.222219843214978396e-01), w, 3.999999999940941908e-01)
     half_square = 0.5 * f * f
-    rest = fma(s, half_square + fma(z, p, w * q), doublings * _LN_2_LOW)
+    rest = fma(s, half_square + fma(z, p, w * q), doublings * either(x, *_LN_2_LOW))
     return fma(doublings, _LN_2_HIGH, f - (half_square - rest))

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hav_env.compiled import fixed, generic, kernel
+from hav_env.maths.elementary import sqrt
 from hav_env.maths.geometry import clip
 from hav_env.models.checks import check_model
 from hav_env.models.quantities import Weight
@@ -215,7 +216,7 @@ def _collision_terms(duration, world, agent, terms):
                 terms[_TERM.potential_collision, agent, lane] = min(least, share)
     for lane in range(world.lanes):
         least = terms[_TERM.potential_collision, agent, lane]
-        depth = max(0.0, 1.0 - math.sqrt(least))
+        depth = max(0.0, 1.0 - sqrt(least))
         terms[_TERM.potential_collision, agent, lane] = duration * depth
 
 

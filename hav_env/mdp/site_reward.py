@@ -1,9 +1,9 @@
 """This module has the reward for sites: the default reward and penalties for obstacles."""
 
-import math
 from typing import NamedTuple
 
 from hav_env.compiled import kernel
+from hav_env.maths.elementary import sqrt
 from hav_env.mdp.reward import AT_OBSTACLE, Reward, default_terms, harm_terms, reward_terms
 from hav_env.models.quantities import Weight
 from hav_env.observation.columns import place_names
@@ -62,7 +62,7 @@ def _nearness(world, agent, lane):
     for number in range(num_segments(world.place, lane)):
         dx, dy = nearest_to(world.place, number, x, y, lane)
         least = min(least, dx * dx + dy * dy)
-    return 1.0 - math.sqrt(least) / _RANGE
+    return 1.0 - sqrt(least) / _RANGE
 
 
 @harm_terms.register

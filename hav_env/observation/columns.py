@@ -9,8 +9,8 @@ import math
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from hav_env.compiled import in_single, kernel, single
-from hav_env.maths.elementary import log
+from hav_env.compiled import kernel, single
+from hav_env.maths.elementary import log, sqrt
 from hav_env.maths.geometry import clip
 
 LENGTH_UNIT, LENGTH_CUT = 10.0, 10.0  # unit and clipping limit of unit lengths [m]
@@ -59,7 +59,6 @@ def places_of(group: tuple[Column, ...]) -> Any:
     return place_names(column.name for column in group)
 
 
-@in_single
 @kernel
 def scale_distance(distance):
     """Return ln(1 + d / 1 m) / ln(1 + 10 km / 1 m), clipped to 1; it resolves 1 m as well as 300 m.
@@ -69,23 +68,20 @@ def scale_distance(distance):
     return min(log(1.0 + distance) * _PER_LOGARITHM, 1.0)
 
 
-@in_single
 @kernel
 def scale_length(length):
     """Return the length of a unit, a float32, in units of 10 m, clipped to 10."""
     return min(length * (1.0 / LENGTH_UNIT), LENGTH_CUT)
 
 
-@in_single
 @kernel
 def _polar(forward, left):
     """Return the distance of a point [m], cosine and sine of its bearing; all 0 at distance 0."""
-    distance = math.sqrt(forward * forward + left * left)
+    distance = sqrt(forward * forward + left * left)
     per_distance = 1.0 / max(distance, TINY_DISTANCE)
     return distance, forward * per_distance, left * per_distance
 
 
-@in_single
 @kernel
 def _cut_to_one(share):
     """Return a share clipped to [-1, 1], which rounding may have exceeded."""

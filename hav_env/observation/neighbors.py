@@ -2,7 +2,8 @@
 
 import math
 
-from hav_env.compiled import fixed, in_single, kernel, single
+from hav_env.compiled import fixed, kernel, single
+from hav_env.maths.elementary import sqrt
 from hav_env.maths.geometry import clip
 from hav_env.observation.columns import (
     SPEED_UNIT,
@@ -202,7 +203,6 @@ def _look_at_hav(world, agent, other, nearest, columns, column, lane):
     columns[column + _NEIGHBOR_AT.chain_bearing_sine, lane] = left
 
 
-@in_single
 @kernel
 def _scale_signed(distance):
     """Scale a distance [m] that may be below zero."""
@@ -252,7 +252,7 @@ def _observe_fronts(world, agent, k, columns, column, lane):
     speed = neighbor_speed(world, agent, k, lane)
     columns[column + _FRONT_AT.speed, lane] = min(speed * (1.0 / SPEED_UNIT), 1.0)
     forward, left = neighbor_before_front(world, agent, k, lane)
-    distance = math.sqrt(forward * forward + left * left)
+    distance = sqrt(forward * forward + left * left)
     nearness = max(0.0, 1.0 - distance * (1.0 / _FRONT_RANGE))
     share = nearness / max(distance, TINY_DISTANCE)
     columns[column + _FRONT_AT.front_nearness, lane] = nearness

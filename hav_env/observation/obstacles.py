@@ -5,8 +5,8 @@ Rays also see the bodies of other HAVs. Points and rays begin at the truck's rea
 
 import math
 
-from hav_env.compiled import fixed, generic, in_single, kernel, single
-from hav_env.maths.elementary import atan2, floor, sincos
+from hav_env.compiled import fixed, generic, kernel, single
+from hav_env.maths.elementary import atan2, floor, sincos, sqrt
 from hav_env.maths.geometry import TURNS_PER_RADIAN, TWO_PI, clip, into_frame
 from hav_env.observation.columns import TINY_DISTANCE, Column, place_columns, places_of, write_place
 from hav_env.observation.scratch import (
@@ -38,7 +38,6 @@ _AT = places_of(POINT_COLUMNS)
 OBSTACLE_SIZE = len(POINT_COLUMNS)
 _ABSENT_SQUARED = 1e20  # [m^2]: all segments are nearer than that, absent segments are farther
 _WIDER = 1e-3  # [rad], more than the single-precision error of an angle
-_to_segment = in_single(to_segment)
 
 
 def obstacle_columns(obstacles: int, rays: int) -> list[Column]:
@@ -114,7 +113,6 @@ def _most_segments(place, world):
     return most
 
 
-@in_single
 @kernel
 def _squared_distance(dx, dy, cosine, sine, half):
     """Return the squared distance [m^2] to a segment, given the position of its middle [m]."""
@@ -196,7 +194,7 @@ def rays_towards(rays, x, y, radius):
 
     The index of the first ray may be below 0: rays count from forward in either direction.
     """
-    distance = math.sqrt(x * x + y * y)
+    distance = sqrt(x * x + y * y)
     # the arcsine of a share from 0 to 1 is at most that share of a quarter turn
     share = min(radius / max(distance, TINY_DISTANCE), 1.0)
     half = 0.5 * math.pi * share + _WIDER
@@ -206,9 +204,6 @@ def rays_towards(rays, x, y, radius):
     count = min(floor((angle + half) * per_step) - first + 1.0, rays)
     inside = share == 1.0
     return 0.0 if inside else first, rays if inside else count
-
-
-_rays_towards = in_single(rays_towards)
 
 
 @generic
@@ -231,7 +226,7 @@ def _cast_at_segments(place, observation, world, agent, rows, columns, first):
             count = int(rows[RAY_COUNT, lane])
             ray = (int(rows[FIRST_RAY, lane]) + rays) % rays
             for _ in range(count):
-                met = _to_segment(
+                met = to_segment(
                     rows[RAY_COSINE, ray],
                     rows[RAY_SINE, ray],
                     rows[SEEN_X, lane],
@@ -254,11 +249,11 @@ def _look_at_segment(place, observation, world, agent, number, rows):
         rows[SEEN_HALF_X, lane], rows[SEEN_HALF_Y, lane] = half_x, half_y
     for lane in range(world.lanes):
         half_x, half_y = rows[SEEN_HALF_X, lane], rows[SEEN_HALF_Y, lane]
-        ray, count = _rays_towards(
+        ray, count = rays_towards(
             single(observation.rays),
             rows[SEEN_X, lane],
             rows[SEEN_Y, lane],
-            math.sqrt(half_x * half_x + half_y * half_y),
+            sqrt(half_x * half_x + half_y * half_y),
         )
         within = rows[SEEN_SQUARED, lane] <= squared_range
         rows[FIRST_RAY, lane] = ray
@@ -272,7 +267,7 @@ def _cast_at_hav(observation, world, agent, other, rows, columns, first, lane):
     for unit in range(world.fleet.num_trailers[other, lane] + 1):
         body = seen_body(world, agent, other, unit, lane, front_x, front_y)
         x, y, _, _, half, width = body
-        radius = math.sqrt(half * half + width * width)
+        radius = sqrt(half * half + width * width)
         ahead, count = rays_towards(float(observation.rays), x, y, radius)
         ray = (int(ahead) + observation.rays) % observation.rays
         for _ in range(int(count)):

@@ -2,7 +2,7 @@
 
 import math
 
-from hav_env.compiled import fixed, in_single, kernel, single
+from hav_env.compiled import fixed, kernel, single
 from hav_env.maths.geometry import clip
 from hav_env.observation.columns import (
     SPEED_UNIT,
@@ -79,7 +79,6 @@ def count_unit_columns(max_trailers):
     return max_trailers + 1 + len(_JOINT_AT) * max_trailers
 
 
-@in_single
 @kernel
 def _share_of(bend, limit):
     """Return an articulation as a share of its limit, clipped to [-1, 1]."""

@@ -2,7 +2,7 @@
 
 import math
 
-from hav_env.compiled import fixed, generic, in_single, kernel, single
+from hav_env.compiled import fixed, generic, kernel, single
 from hav_env.maths.dubins import shortest_path_towards, turns
 from hav_env.maths.elementary import atan2_positive
 from hav_env.observation.columns import Column, places_of, scale_distance
@@ -52,7 +52,6 @@ _STRAIGHT = 1e-6  # [1/m], a curvature that is none
 _STEERED = 1.0  # [m], length of the path over which the steering is averaged
 
 
-@in_single
 @kernel
 def _path_towards(forward, left, heading, cosine, sine, radius):
     """Return side and length of the first segment, and the length of the Dubins path [m]."""
@@ -61,7 +60,6 @@ def _path_towards(forward, left, heading, cosine, sine, radius):
     return side, first, first + second + third
 
 
-@in_single
 @kernel
 def steering_along(wheelbase, radius, steering_max):
     """Return the steering that follows a circle, as a share of the maximum: at most 1.
@@ -74,7 +72,6 @@ def steering_along(wheelbase, radius, steering_max):
     return min(atan2_positive(wheelbase, radius) / steering_max, 1.0)
 
 
-@in_single
 @kernel
 def _steering_at_first(side, first, steering):
     """Return the steering that follows a path, with less weight for a short first segment."""

@@ -8,7 +8,7 @@ import math
 from typing import Any, NamedTuple
 
 from hav_env.compiled import generic, kernel
-from hav_env.maths.elementary import sincos
+from hav_env.maths.elementary import sincos, sqrt
 from hav_env.maths.geometry import clip
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_fields
@@ -127,7 +127,7 @@ def _may_be_quick(speed, steering, wheelbase, lateral):
 def speed_in_curve(steering, wheelbase, lateral):
     """Return the speed [m/s] at which v^2 tan(phi) / l_0 is a lateral acceleration [m/s^2]."""
     sine, cosine = sincos(steering)
-    return math.sqrt(lateral * (wheelbase * cosine) / max(abs(sine), _TINY_SINE))
+    return sqrt(lateral * (wheelbase * cosine) / max(abs(sine), _TINY_SINE))
 
 
 @generic

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from hav_env.compiled import kernel
+from hav_env.compiled import kernel, like
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import into_frame
 from hav_env.models.quantities import Substeps
@@ -51,7 +51,7 @@ def trailer_speed(speed_ahead, cosine_articulation):
 
 def move_on_axle(vehicle, dt, world, agent):
     """Integrate equations (1) and (2) of the paper."""
-    h = dt / vehicle.substeps
+    h = dt / like(vehicle.substeps, dt)
     for _ in range(vehicle.substeps):
         if vehicle.simultaneous:
             _advance_truck(h, world, agent)

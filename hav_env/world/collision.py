@@ -3,9 +3,8 @@
 ``hav_env.world.bodies`` tests whether bodies touch.
 """
 
-import math
-
 from hav_env.compiled import kernel
+from hav_env.maths.elementary import sqrt
 from hav_env.world.arrays import FOOTPRINT
 from hav_env.world.bodies import front_end, nearest_on_bodies, reach_of
 
@@ -28,7 +27,7 @@ def potential_collision(task, world, agent, other, lane):
     dx, dy = offset_between(world, agent, other, task.potential_center, lane)
     trucks = world.fleet.length[agent, 0, lane] + world.fleet.length[other, 0, lane]
     limit = collision_distance(world.fleet, agent, other, lane)
-    return math.sqrt(dx * dx + dy * dy) <= limit + task.potential_truck_share * trucks
+    return sqrt(dx * dx + dy * dy) <= limit + task.potential_truck_share * trucks
 
 
 @kernel
@@ -78,4 +77,4 @@ def front_gap(world, agent, other, lane):
     """Return the distance [m] from the front of a truck to the bodies of another HAV."""
     x, y = front_end(world.fleet.bodies, world, agent, lane)
     px, py = nearest_on_bodies(world.fleet.bodies, world, other, lane, x, y)
-    return math.sqrt((px - x) * (px - x) + (py - y) * (py - y))
+    return sqrt((px - x) * (px - x) + (py - y) * (py - y))

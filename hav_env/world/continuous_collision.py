@@ -7,6 +7,7 @@ links meet when an end of one passes through the other, which is a root of a qua
 import math
 
 from hav_env.compiled import kernel, rare_kernel
+from hav_env.maths.elementary import sqrt
 from hav_env.maths.geometry import segments_intersect
 from hav_env.world.bodies import find_box
 from hav_env.world.chain import ends_behind, front_axle
@@ -31,7 +32,7 @@ def _passes(p, q, a, to_p, to_q, to_a):
     if root < 0.0:
         return False
     # this form loses no digits if the quadratic part is small
-    part = -0.5 * (linear + math.copysign(math.sqrt(root), linear))
+    part = -0.5 * (linear + math.copysign(sqrt(root), linear))
     first = part / quadratic if quadratic != 0.0 else math.inf
     second = constant / part if part != 0.0 else math.inf
     return _is_between(first, ux, uy, vx, vy, du_x, du_y, dv_x, dv_y) or _is_between(
@@ -101,7 +102,7 @@ def may_meet(world, agent, other, lane):
     for hav in (agent, other):
         x, y = _was(world, hav, 1, lane)
         way_x, way_y = world.state.x[hav, lane] - x, world.state.y[hav, lane] - y
-        limit += reach(world.fleet, hav, lane) + math.sqrt(way_x * way_x + way_y * way_y)
+        limit += reach(world.fleet, hav, lane) + sqrt(way_x * way_x + way_y * way_y)
     return within(squared_distance(world, agent, other, lane), limit)
 
 

@@ -1,10 +1,8 @@
 """This module assigns goals, and records how HAVs approach, hit and narrowly miss them."""
 
-import math
-
 from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.dubins import path_length
-from hav_env.maths.elementary import sincos
+from hav_env.maths.elementary import sincos, sqrt
 from hav_env.maths.geometry import wrap
 from hav_env.world.arrays import (
     CLOSEST,
@@ -41,7 +39,7 @@ def goal_distance(state, agent, lane):
     """Return the distance [m] to the goal under way."""
     dx = state.goal[agent, X, lane] - state.x[agent, lane]
     dy = state.goal[agent, Y, lane] - state.y[agent, lane]
-    return math.sqrt(dx * dx + dy * dy)
+    return sqrt(dx * dx + dy * dy)
 
 
 @kernel

@@ -5,9 +5,8 @@ Policies read the world only through these functions. This is the decentralisati
 paper. It also makes every policy independent of the position of the world in the plane.
 """
 
-import math
-
 from hav_env.compiled import kernel
+from hav_env.maths.elementary import sqrt
 from hav_env.maths.geometry import into_frame, wrap
 from hav_env.world.arrays import (
     ARTICULATION,
@@ -201,7 +200,7 @@ def neighbor_point(
 def neighbor_point_distance(world: World, agent: int, k: int, share: float, lane: int) -> float:
     """Return the distance [m] between these points of both trucks, see ``neighbor_point``."""
     dx, dy = offset_between(world, agent, neighbor_id(world, agent, k, lane), share, lane)
-    return math.sqrt(dx * dx + dy * dy)
+    return sqrt(dx * dx + dy * dy)
 
 
 @kernel

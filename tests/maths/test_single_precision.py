@@ -5,34 +5,58 @@ import math
 import numpy as np
 import pytest
 
-from hav_env.compiled import TILE_SIDE, entry, fma, in_single, single, split_power, transpose_tile
+from hav_env.compiled import (
+    TILE_SIDE,
+    entry,
+    fma,
+    kernel,
+    like,
+    single,
+    split_power,
+    transpose_tile,
+)
 from hav_env.maths.dubins import shortest_path_towards, word_segments
-from hav_env.maths.elementary import atan2, atan2_positive, floor, log
-from hav_env.policies import act
+from hav_env.maths.elementary import atan2, atan2_positive, exp, floor, log, sincos, sqrt
 from tests.support.budgets import budget
 
 SAMPLES = budget(20_000, 500)
-LOGARITHM, ANGLE, POSITIVE, FUSED, POWER, MANTISSA, RESULTS = range(7)
-atan2_single, atan2_positive_single = in_single(atan2), in_single(atan2_positive)
-log_single, path_single = in_single(log), in_single(shortest_path_towards)
+LOGARITHM, ANGLE, POSITIVE, FUSED, POWER, MANTISSA = range(6)
+SINE, COSINE, EXPONENTIAL, ROOT, SHARE, RESULTS = range(6, 12)
+_THIRD = 1.0 / 3.0
+
+
+@kernel
+def angle_of(x):
+    """Return a number clipped to an angle [rad]."""
+    return like(min(max(x, -900.0), 900.0), x)
+
+
+@kernel
+def share_of(x):
+    """Return pi x / 3, by a constant of the module, one of ``math`` and one in the text."""
+    return _THIRD * (math.pi * x) + 0.1
 
 
 @entry
 def evaluate(first, last, a, b, results):
     """Fill results (RESULTS, W), float32 like a and b (W,)."""
     for w in range(first, last):
-        results[LOGARITHM, w] = log_single(abs(a[w]) + single(1.0))
-        results[ANGLE, w] = atan2_single(a[w], b[w])
-        results[POSITIVE, w] = atan2_positive_single(abs(a[w]), abs(b[w]))
+        results[LOGARITHM, w] = log(abs(a[w]) + single(1.0))
+        results[ANGLE, w] = atan2(a[w], b[w])
+        results[POSITIVE, w] = atan2_positive(abs(a[w]), abs(b[w]))
         results[FUSED, w] = fma(a[w], b[w], a[w])
         results[POWER, w], results[MANTISSA, w] = split_power(abs(a[w]) + single(1e-20))
+        results[SINE, w], results[COSINE, w] = sincos(angle_of(a[w]))
+        results[EXPONENTIAL, w] = exp(angle_of(a[w]))
+        results[ROOT, w] = sqrt(abs(a[w]))
+        results[SHARE, w] = share_of(a[w])
 
 
 @entry
 def find_paths(first, last, goals, results):
     """Fill results (4, W) with words and segments of the paths to goals (6, W), all float32."""
     for w in range(first, last):
-        word, one, two, three = path_single(
+        word, one, two, three = shortest_path_towards(
             goals[0, w], goals[1, w], goals[2, w], goals[3, w], goals[4, w], goals[5, w]
         )
         results[0, w] = word
@@ -72,11 +96,15 @@ def test_lanes_give_the_bits_of_calls():
     one = np.float32(1.0)
     called = [
         (
-            log_single(abs(x) + one),
-            atan2_single(x, y),
-            atan2_positive_single(abs(x), abs(y)),
+            log(abs(x) + one),
+            atan2(x, y),
+            atan2_positive(abs(x), abs(y)),
             fma(x, y, x),
             *split_power(abs(x) + np.float32(1e-20)),
+            *sincos(angle_of(x)),
+            exp(angle_of(x)),
+            sqrt(abs(x)),
+            share_of(x),
         )
         for x, y in zip(a, b, strict=True)
     ]
@@ -94,6 +122,12 @@ def test_they_are_near_what_double_precision_gives():
     angle = np.where(x == 0.0, np.where(y < 0.0, math.pi, 0.0), np.arctan2(x, y))
     assert found[ANGLE] == pytest.approx(angle, rel=3e-7)
     assert found[POSITIVE] == pytest.approx(np.arctan2(abs(x), abs(y)), rel=3e-7)
+    turned = np.float32(np.clip(x, -900.0, 900.0)).astype(float)
+    assert found[SINE] == pytest.approx(np.sin(turned), abs=2e-7)
+    assert found[COSINE] == pytest.approx(np.cos(turned), abs=2e-7)
+    assert found[EXPONENTIAL] == pytest.approx(np.exp(np.clip(turned, -87.0, 88.0)), rel=4e-7)
+    assert found[ROOT] == pytest.approx(np.sqrt(abs(x)), rel=1e-7)
+    assert found[SHARE] == pytest.approx(math.pi / 3.0 * x + 0.1, rel=3e-7, abs=3e-8)
     given = np.float32(abs(a) + np.float32(1e-20))
     assert (np.ldexp(found[MANTISSA], found[POWER].astype(int)) == given).all()
     assert ((found[MANTISSA] >= np.float32(math.sqrt(0.5))) & (found[MANTISSA] < 1.4143)).all()
@@ -109,14 +143,14 @@ def test_paths_in_lanes_are_those_of_calls():
     given = goals()
     found = np.zeros((4, SAMPLES), np.float32)
     find_paths(SAMPLES, given, found)
-    called = np.array([path_single(*goal) for goal in given.T], np.float32)
+    called = np.array([shortest_path_towards(*goal) for goal in given.T], np.float32)
     assert found.tobytes() == called.T.tobytes()
 
 
 def test_paths_are_as_short_as_in_double_precision():
     given = goals()
     for goal in given[:, : budget(3_000, 300)].T:
-        word, *segments = path_single(*goal)
+        word, *segments = shortest_path_towards(*goal)
         forward, left, heading, _, _, radius = map(float, goal)
         direction = math.cos(heading), math.sin(heading)
         _, *exact = shortest_path_towards(forward, left, heading, *direction, radius)
@@ -137,14 +171,8 @@ def test_a_tile_is_turned_over(shape):
     assert np.array_equal(rows, columns.T)
 
 
-def test_what_is_chosen_by_type_has_no_twin():
-    with pytest.raises(TypeError, match="act is generic, but must be one kernel"):
-        in_single(act)
-
-
 def test_floor_is_that_of_numpy():
-    floor_single = in_single(floor)
     numbers = np.random.default_rng(3).uniform(-4e6, 4e6, SAMPLES // 50).astype(np.float32)
-    assert all(floor_single(number) == np.floor(number) for number in numbers)
+    assert all(floor(number) == np.floor(number) for number in numbers)
     small = np.float32([-1.5, -1.0, -0.25, 0.0, 0.75, 1.0, 17.999])
-    assert [floor_single(number) for number in small] == np.floor(small).tolist()
+    assert [floor(number) for number in small] == np.floor(small).tolist()

@@ -15,6 +15,7 @@ the bound, at any time of the step.
 import math
 
 from hav_env.compiled import fixed, generic, kernel, rare_kernel
+from hav_env.maths.elementary import sqrt
 from hav_env.maths.geometry import clip, into_frame
 from hav_env.maths.rectangles import rectangle_gap
 from hav_env.world.arrays import NEVER, OBSTACLE, STEP, WHEN, WHERE
@@ -166,8 +167,8 @@ def _add_most_of_all(place, world, agent):
             )
             moved[MOST_TURNED, lane] = max(moved[MOST_TURNED, lane], dx * dx + dy * dy)
     for lane in range(world.lanes):
-        swing = place.driven[agent, BODY_MARGIN, lane] * math.sqrt(moved[MOST_TURNED, lane])
-        place.driven[agent, MOST_MOVED, lane] += math.sqrt(moved[FARTHEST, lane]) + swing
+        swing = place.driven[agent, BODY_MARGIN, lane] * sqrt(moved[MOST_TURNED, lane])
+        place.driven[agent, MOST_MOVED, lane] += sqrt(moved[FARTHEST, lane]) + swing
 
 
 @kernel
@@ -248,4 +249,4 @@ def _distance(x, y, segment):
     middle_x, middle_y, cosine, sine, half, _ = segment
     along, across = into_frame(x - middle_x, y - middle_y, cosine, sine)
     beyond = along - clip(along, -half, half)
-    return math.sqrt(beyond * beyond + across * across)
+    return sqrt(beyond * beyond + across * across)

@@ -4,13 +4,13 @@ The type of ``world.place`` selects code. ``Plane`` is the paper's: it is empty,
 costs nothing. N HAVs of a world, U units of a HAV, S segments of a world, W worlds.
 """
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from hav_env.compiled import generic, kernel, lanes_from
+from hav_env.maths.elementary import sqrt
 from hav_env.world.units.parts import Array, part_from
 
 
@@ -111,7 +111,7 @@ def _place_one(place, number, lane, ax, ay, bx, by):
         place.count[lane] = OVERFULL
         return
     dx, dy = 0.5 * (bx - ax), 0.5 * (by - ay)
-    half = math.sqrt(dx * dx + dy * dy)
+    half = sqrt(dx * dx + dy * dy)
     per_half = 1.0 / half if half > 0.0 else 0.0
     place.segment[number, MIDDLE_X, lane] = 0.5 * (ax + bx)
     place.segment[number, MIDDLE_Y, lane] = 0.5 * (ay + by)

@@ -3,9 +3,8 @@
 The type of ``fleet.bodies`` selects each function, see ``hav_env.world.units.parts``.
 """
 
-import math
-
 from hav_env.compiled import generic, kernel
+from hav_env.maths.elementary import sqrt
 from hav_env.world.units.joints import hitch_offset
 from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Lines, Outlines
 
@@ -79,4 +78,4 @@ def _measure_reach(bodies, fleet, agent, lane):
 
 @kernel
 def _diagonal(along, across):
-    return math.sqrt(along * along + across * across)
+    return sqrt(along * along + across * across)
