@@ -5,6 +5,7 @@ from typing import Any, Literal, Protocol
 from baselines.cli.run_options import Backup, Safety
 from hav_env import Observation, OnAxle, Reward, Task
 from hav_env.mdp.decision_process import Settings
+from hav_env.models.quantities import Precision
 from hav_env.scenarios.presets import scenario_of
 from train.curriculum import Curriculum, lengthen
 
@@ -45,6 +46,10 @@ class Exercise(Protocol):
         """Name of the guidance to the goals."""
 
     @property
+    def precision(self) -> Precision:
+        """Precision of the worlds in training; evaluations are in double precision."""
+
+    @property
     def on_collision(self) -> Literal["record", "end"]:
         """Rule of training episodes for a collision of HAVs, see ``Task``."""
 
@@ -76,6 +81,7 @@ def settings_of(arguments: Exercise, threads: int | None = None) -> Settings:
         "safety": arguments.safety,
         "backup": arguments.backup,
         "guidance": arguments.guidance,
+        "precision": arguments.precision,
         "reward": arguments.reward,
         "frame_skip": arguments.frame_skip,
         "info": "ends",

@@ -19,6 +19,7 @@ from benchmarks.interfaces.empty import EmptyParallelEnv, make_empty
 SWARM, SINGLE, SB3 = "HAVSwarm-v0", "HAVSingle-v0", "HAVVecEnv"
 HAVS = {SWARM: 2, SINGLE: 1}
 ENDS = ', info="ends"'  # of the names of environments that report only at ends
+IN_SINGLE = ', precision="single"'  # and of those whose state is float32
 SHORT = 100  # steps of the episodes in which resets count
 MPE_STEPS = 25  # of an episode of MPE's simple_spread
 FEW_WORLDS = 1_024  # below that, no second thread is woken
@@ -50,7 +51,9 @@ def vector_rows(num_worlds: Iterable[int], singles: Iterable[int], rows: int) ->
         singles: Numbers of worlds of the environments of a single HAV.
         rows: Number of worlds of the one for Stable-Baselines3, if that is installed.
     """
-    counts = [(name, w) for name in (SWARM, SWARM + ENDS) for w in num_worlds]
+    counts = [
+        (name, w) for name in (SWARM, SWARM + ENDS, SWARM + ENDS + IN_SINGLE) for w in num_worlds
+    ]
     counts += [(SINGLE, w) for w in singles]
     if importlib.util.find_spec("stable_baselines3"):
         counts.append((SB3, rows))
@@ -70,8 +73,11 @@ def prepare_vector_row(row: Vector) -> Run:
         from hav_env.envs.stable_baselines3 import HAVVecEnv  # noqa: PLC0415  (optional)
 
         return prepare_rows(HAVVecEnv(row.num_worlds, threads=row.threads, **rules))
-    name = row.name.removesuffix(ENDS)
-    if name != row.name:
+    whole = row.name.removesuffix(IN_SINGLE)
+    name = whole.removesuffix(ENDS)
+    if whole != row.name:
+        rules["precision"] = "single"
+    if name != whole:
         rules["info"] = "ends"
     env = gym.make_vec(f"hav_env:{name}", num_envs=row.num_worlds, threads=row.threads, **rules)
     return prepare_vector(env, HAVS[name], row.max_steps)

@@ -258,8 +258,8 @@ def parallel_env(
         backup: (default None) policy that drives where an action is unsafe: "reserve", a model.
         threads: (default None) number of threads. None is ``HAV_THREADS``, or all cores.
         info: (default "always") "ends" reports only at the end of an episode, which is faster.
-        guidance: (default Dubins()) ways to goals: a model, "dubins", "lattice", "witness",
-            "roads" or "feasible".
+        guidance: (default Dubins()) ways to goals: a model, "dubins", "roads", "feasible", ...
+        precision: (default "double") "single" for a state of float32, which is faster.
         dt: (default 0.2) duration of a step [s].
         distance_tolerance: (default 0.5) greatest distance at which a goal is hit [m].
         heading_tolerance: (default 0.1) greatest difference in heading at which it is hit [rad].

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, arguments_of, entry, kernel, loop_kernel
+from hav_env.compiled import VECTOR, arguments_of, entry, kernel, like, loop_kernel
 from hav_env.maths.geometry import clip
 from hav_env.mdp.buffers import buffers_from, outcome_from
 from hav_env.mdp.info import REPORT, write_interventions, write_obstacle_report, write_report
@@ -110,7 +110,7 @@ def _advance(
         actions: ``Actions`` of all worlds, clipped.
         outcome: Outcome of all worlds; written when the action ends.
     """
-    duration, controlled = task.dt * portion.steps, outcome.info.shape[1]
+    duration, controlled = task.dt * like(portion.steps, task.dt), outcome.info.shape[1]
     for start in range(first, last, OBSERVED_LANES):
         world = block_of(worlds, start, min(OBSERVED_LANES, last - start), worlds.units)
         block, result = (
@@ -133,8 +133,7 @@ def _advance(
         if portion.closes:
             for agent in range(controlled):
                 plan_route(world, agent, block.scratch, block.remaining)
-                terms = result.info[len(REPORT) :] if portion.reports else block.terms
-                _reward(reward, duration, world, agent, block, terms, result)
+                _reward(reward, duration, world, agent, block, block.terms, result)
                 _write_outcome(observation, world, agent, block, result)
                 if portion.reports:
                     _report(world, agent, block, result)

@@ -4,8 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import kernel, lanes_from, of_width
+from hav_env.compiled import ZEROS, kernel, lanes_from, of_width
 from hav_env.mdp.reward import BEFORE_SIZE
+from hav_env.models.quantities import Precision
 from hav_env.observation import CHAIN_ROWS, SCRATCH_ROWS, Scratch
 from hav_env.world.lanes import APART
 
@@ -73,6 +74,7 @@ def allocate_buffers(
     num_columns: int,
     trial_rows: int,
     slots: int,
+    precision: Precision = "double",
 ) -> Buffers:
     """Return allocated buffers, without the memory of a backup.
 
@@ -84,22 +86,23 @@ def allocate_buffers(
         num_columns: D, the number of observation columns.
         trial_rows: K, the number of scratch rows of the safety filter; 0 without one.
         slots: Number of threads that may use the scratch at a time.
+        precision: Precision of the state.
     """
-    n, c, w = num_havs, controlled, num_worlds
+    n, c, w, zeros = num_havs, controlled, num_worlds, ZEROS[precision]
     return Buffers(
-        np.zeros((2, n, w)),
-        np.zeros((c, w)),
-        np.zeros((c, BEFORE_SIZE, w)),
-        np.zeros((num_terms, c, w)),
-        np.zeros((slots, num_terms, c, min(w, APART))),
-        np.zeros((slots, num_columns, APART), np.float32),
+        zeros((2, n, w), np.float64),
+        zeros((c, w), np.float64),
+        zeros((c, BEFORE_SIZE, w), np.float64),
+        zeros((num_terms, c, w), np.float64),
+        zeros((slots, num_terms, c, min(w, APART)), np.float64),
+        zeros((slots, num_columns, APART), np.float32),
         Scratch(
-            np.zeros((slots, SCRATCH_ROWS, APART), np.float32),
-            np.zeros((slots, CHAIN_ROWS, APART)),
+            zeros((slots, SCRATCH_ROWS, APART), np.float32),
+            zeros((slots, CHAIN_ROWS, APART), np.float64),
         ),
-        np.zeros((2, n if trial_rows > 0 else 0, w)),
-        np.zeros((n, 0, w)),
-        np.zeros((slots, trial_rows, APART)),
+        zeros((2, n if trial_rows > 0 else 0, w), np.float64),
+        zeros((n, 0, w), np.float64),
+        zeros((slots, trial_rows, APART), np.float64),
     )
 
 

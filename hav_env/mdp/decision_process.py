@@ -3,11 +3,11 @@
 Every environment is an interface to it. A single environment is a decision process of one world.
 """
 
-from typing import Any, Literal, TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, Held, canonical, default_threads, share_out
+from hav_env.compiled import VECTOR, Held, canonical, default_threads, narrow, share_out
 from hav_env.mdp.advance import Actions, advance_worlds, divide_action, observe_worlds
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.beginning import allocate_stage, begin_episodes
@@ -18,9 +18,9 @@ from hav_env.mdp.reward_trial import try_reward
 from hav_env.mdp.rewards import REWARDS
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
-from hav_env.models.quantities import Skipped
+from hav_env.models.quantities import Precision, Reports, Skipped
 from hav_env.observation import Observation, check_observation, name_columns, settle
-from hav_env.policies.backed import check_controlled, memory_behind, put_behind
+from hav_env.policies.backed import check_guarded, memory_behind, put_behind
 from hav_env.policies.driver import PolicyDriver
 from hav_env.safety import Unfiltered, check_safety, make_safety, scratch_rows
 from hav_env.scenarios import segments_of
@@ -29,8 +29,6 @@ from hav_env.simulator.batch import Batch, check_placed
 from hav_env.vehicles import VEHICLES, OnAxle
 from hav_env.world.place.guidance import Dubins, of_each_world
 from hav_env.world.task import Task, check_at_once, set_rules
-
-Reports = Literal["always", "ends"]
 
 _SINGLE = np.dtype(np.float32).itemsize
 _HAVS_PER_THREAD = 1_024  # HAVs per thread for which waking a thread pays
@@ -53,6 +51,7 @@ class Settings(TypedDict, total=False):
     threads: int | None
     info: Reports
     guidance: Any
+    precision: Precision
 
 
 class DecisionProcess:
@@ -86,6 +85,7 @@ class DecisionProcess:
         threads: int | None = None,
         info: Reports = "always",
         guidance: Any = Dubins(),
+        precision: Precision = "double",
         **rules: Any,
     ) -> None:
         """Allocate the worlds; they are empty until ``begin``.
@@ -108,6 +108,7 @@ class DecisionProcess:
             threads: Number of threads; by default ``HAV_THREADS`` or all cores.
             info: "always" reports after every action; "ends" where episodes end, which is faster.
             guidance: Guidance (routes to the goals): a model or its name.
+            precision: "single" for a faster state in training.
             rules: Rules of the task to replace: ``max_steps``, ``on_goal``, ...
 
         Raises:
@@ -126,14 +127,15 @@ class DecisionProcess:
         self.safety = make_safety(safety)
         check_safety(self.safety, task, vehicle)
         self._guard = put_behind(self.safety, backup, scenario, task, vehicle)
-        self.batch = Batch(scenario, num_worlds, task, vehicle, threads, guidance)
+        self.precision = precision
+        self.batch = Batch(scenario, num_worlds, task, vehicle, threads, guidance, precision)
         n, w = self.batch.scenario.num_havs, self.batch.num_worlds
         c = n if controlled is None else controlled
         self.num_controlled, self.num_havs, self.num_worlds = c, n, w
         self.frame_skip = int(frame_skip)
         self.observation = settle(observation, n)
         self.columns = name_columns(self.observation, scenario.max_trailers)
-        check_controlled(self._guard, c, n)
+        check_guarded(self._guard, c, n, precision)
         filtered = not isinstance(self._guard, Unfiltered)
         self.info = name_numbers(reward, segments_of(scenario) > 0, filtered)
         size = outcome_size(c, len(self.columns), len(self.info))
@@ -144,7 +146,9 @@ class DecisionProcess:
         trial_rows = scratch_rows(self._guard, self.batch.worlds.units)
         sizes = n, c, len(reward), len(self.columns), trial_rows
         memory = memory_behind(self._guard, n, w)
-        self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR))._replace(memory=memory)
+        self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR), precision)._replace(
+            memory=memory
+        )
         self._compiled: dict[str, Any] = {}  # compiled entries by name
         self._held: tuple[Held, ...] = ()  # made at first use
         layout = outcome_layout(w, c, len(self.columns), len(self.info))
@@ -277,7 +281,8 @@ class DecisionProcess:
         """Return the constant arguments of every step, for each portion of an action."""
         batch, arrays = self.batch, (self.batch.worlds, self._buffers)
         models = batch.task, batch.vehicle, canonical(self._guard), self._reward, self.observation
-        self._held = tuple(Held(*models, *arrays, portion) for portion in self._portions)
+        told = narrow((*models, *arrays)) if self.precision == "single" else (*models, *arrays)
+        self._held = tuple(Held(*told, portion) for portion in self._portions)
         return self._held
 
     def arrays(self) -> dict[str, np.ndarray]:

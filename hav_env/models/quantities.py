@@ -6,7 +6,7 @@ episode. ``hav_env.maths.elementary.sincos`` is accurate up to that angle.
 """
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from hav_env.models.annotations import Range
 
@@ -55,3 +55,5 @@ Attempts = Annotated[int, Range(1, 100_000)]  # to find a pose
 WorldAttempts = Annotated[int, Range(1, 1_000)]
 Worlds = Annotated[int, Range(1, 10**7)]
 Threads = Annotated[int, Range(1, 1_024)]
+Precision = Literal["double", "single"]  # of the state of worlds
+Reports = Literal["always", "ends"]  # when environments report: after actions, at ends

@@ -8,6 +8,7 @@ import numpy as np
 from hav_env.compiled import generic
 from hav_env.models.annotations import show
 from hav_env.models.protocols import Scenario, Vehicle
+from hav_env.models.quantities import Precision
 from hav_env.policies.backup import back_up, backup_rows, check_backup
 from hav_env.policies.checks import check_policy
 from hav_env.policies.interface import allocate_memory, memory_size
@@ -42,12 +43,17 @@ def put_behind(
     return Backed(safety, made)
 
 
-def check_controlled(safety: Any, controlled: int, num_havs: int) -> None:
-    """Check that learners control all HAVs where a backup judges commands.
+def check_guarded(safety: Any, controlled: int, num_havs: int, precision: Precision) -> None:
+    """Check that learners control all HAVs where a backup judges commands, in double precision.
 
     Raises:
-        ValueError: If others drive some of the HAVs.
+        ValueError: If others drive some of the HAVs, or a filter would predict in single precision.
     """
+    if precision == "single" and not isinstance(safety, Unfiltered):
+        raise ValueError(
+            "precision is 'single', but must be 'double' with a safety filter or a backup: their"
+            " margins cover the rounding errors of double precision"
+        )
     if isinstance(safety, Backed) and controlled < num_havs:
         name = type(safety.backup).__name__
         raise ValueError(

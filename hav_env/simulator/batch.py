@@ -1,16 +1,18 @@
 """This module has a batch of worlds that share a scenario: it owns the arrays, resets and steps."""
 
+import functools
 from typing import Any
 
 import numpy as np
 
-from hav_env.compiled import canonical, default_threads, entry, lanes_from
+from hav_env.compiled import ZEROS, canonical, default_threads, entry, lanes_from
+from hav_env.guidance import Feasible
 from hav_env.maths.random_numbers import SEED_LIMIT, Seed
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_value
 from hav_env.models.memory import check_memory
 from hav_env.models.protocols import Scenario, Vehicle
-from hav_env.models.quantities import Threads, Worlds
+from hav_env.models.quantities import Precision, Threads, Worlds
 from hav_env.scenarios import PlacementError, check_scenario, segments_of
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.guiding import GUIDANCES, Guidance, check_guidance, guide
@@ -67,6 +69,7 @@ class Batch:
         vehicle: Vehicle = OnAxle(),
         threads: int | None = None,
         guidance: Guidance | str = Dubins(),
+        precision: Precision = "double",
     ) -> None:
         """Allocate the worlds; they are empty until ``reset``.
 
@@ -77,6 +80,8 @@ class Batch:
             vehicle: Vehicle model (kinematics).
             threads: Number of threads; by default ``HAV_THREADS`` or all cores.
             guidance: Guidance (routes to the goals): a model or its name.
+            precision: Precision of the state. In "single", only a ``DecisionProcess`` begins
+                episodes: it places HAVs in double precision.
 
         Raises:
             ValueError: If an argument is invalid, or the worlds need more memory than the machine
@@ -86,6 +91,7 @@ class Batch:
         """
         check_value("num_worlds", Worlds, num_worlds)
         check_value("threads", Threads | None, threads)
+        check_value("precision", Precision, precision)
         check_scenario(scenario)
         check_task(task)
         check_vehicle(vehicle)
@@ -98,13 +104,18 @@ class Batch:
         self._begun = False
         self.guidance = GUIDANCES.make(guidance)
         check_guidance(self.guidance, self.scenario, self.vehicle)
+        if precision == "single" and not isinstance(self.guidance, Dubins | Feasible):
+            raise ValueError(
+                f"precision is 'single', but must be 'double' with {type(self.guidance).__name__}:"
+                " only the routes of Dubins and Feasible are found in single precision"
+            )
         part = guide(self.guidance, self.scenario, self.vehicle, self.task)
         self.bytes_per_world = world_size(
             *_shape(self.scenario, self.task, self.vehicle, of_each_world(part))
         )
         check_memory("num_havs", self.scenario.num_havs, self.bytes_per_world)
         check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
-        self.worlds: World = worlds_for(self, self.num_worlds, part)
+        self.worlds: World = worlds_for(self, self.num_worlds, part, precision)
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
         """Begin an episode in every world.
@@ -117,8 +128,11 @@ class Batch:
             ValueError: If the seed or an episode is out of range, or there is not one episode for
                 each world.
             PlacementError: If a world has no space for its HAVs; the batch is then empty again.
+            RuntimeError: If the worlds are in single precision.
         """
         self._begun = False
+        if self.worlds.state.x.dtype != np.float64:
+            raise RuntimeError('reset needs precision="double": other worlds begin in environments')
         check_seed(seed)
         if episodes is None:
             episodes = np.arange(self.num_worlds)
@@ -177,16 +191,20 @@ class Batch:
         return ended(self.task, self.worlds, slice(None))
 
 
-def worlds_for(batch: Batch, num_worlds: int, guidance: Any = None) -> World:
+def worlds_for(
+    batch: Batch, num_worlds: int, guidance: Any = None, precision: Precision = "double"
+) -> World:
     """Return new arrays of worlds in which episodes of a batch may begin.
 
     Args:
         batch: Batch whose models the worlds have.
         num_worlds: Number of worlds.
         guidance: Guidance of the worlds, by default the batch's.
+        precision: Precision of the state.
     """
     part = batch.worlds.guidance if guidance is None else guidance
-    return allocate_worlds(num_worlds, *_shape(batch.scenario, batch.task, batch.vehicle, part))
+    shape = _shape(batch.scenario, batch.task, batch.vehicle, part)
+    return functools.partial(allocate_worlds, zeros=ZEROS[precision])(num_worlds, *shape)
 
 
 def _shape(scenario: Any, task: Task, vehicle: Any, guidance: Any) -> tuple:

@@ -8,14 +8,13 @@ argument of every kernel.
 """
 
 import functools
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from hav_env.compiled import kernel
-from hav_env.maths.elementary import sincos
+from hav_env.maths.elementary import sincos, sqrt
 from hav_env.maths.geometry import into_frame
 from hav_env.world.place.guidance import Dubins, allocate_guidance
 from hav_env.world.place.segments import allocate_place
@@ -173,7 +172,8 @@ def allocate_worlds(
     def whole(*shape: int) -> np.ndarray:
         return zeros((*shape, w), np.int64)
 
-    far_apart = real(n) + 1e6 * np.arange(n)[:, None]  # [m]
+    zero = real(n)
+    far_apart = zero + (1e6 * np.arange(n)[:, None]).astype(zero.dtype)  # [m]
     waiting = np.ones((n, w), np.bool_)
     return World(
         State(
@@ -257,7 +257,7 @@ def derive_radii(fleet, agent, lane, truck_share):
         footprint += abs(fleet.length[agent, unit, lane] + offset)
     fleet.radius[agent, FOOTPRINT, lane] = footprint
     squares = least_squared_radius(fleet.joints, fleet, agent, lane)
-    fleet.radius[agent, STABLE, lane] = math.sqrt(squares)
+    fleet.radius[agent, STABLE, lane] = sqrt(squares)
     find_reach(fleet.bodies, fleet, agent, lane)
 
 
@@ -297,4 +297,4 @@ def truck_distance(state, agent, other, lane):
     """Return the distance [m] between the rear axles of two trucks."""
     dx = state.x[other, lane] - state.x[agent, lane]
     dy = state.y[other, lane] - state.y[agent, lane]
-    return math.sqrt(dx * dx + dy * dy)
+    return sqrt(dx * dx + dy * dy)

@@ -6,7 +6,7 @@ import re
 import numba
 import pytest
 
-from hav_env.compiled import kernel
+from hav_env.compiled import kernel, like
 from hav_env.compiled.entries import _signature
 from hav_env.compiled.kernels import ENTERED
 from hav_env.mdp.buffers import buffers_from, outcome_from
@@ -26,6 +26,7 @@ pytestmark = pytest.mark.skipif(
 AGENT, OTHER = 0, 1
 VEHICLE, OFF_AXLE, LIMITED = OnAxle(), OffAxle(), Limited()
 ARITHMETIC = r"\tv?(?:add|sub|mul|div|sqrt|min|max|fn?m(?:add|sub)\d*)"
+ON_DOUBLES = re.compile(ARITHMETIC + r"[sp]d\b")
 ON_ONE, ON_VECTORS = re.compile(ARITHMETIC + r"s[sd]\b"), re.compile(ARITHMETIC + r"p[sd]\b")
 
 
@@ -65,6 +66,12 @@ def arrays():
 
 def instructions(stage, *args):
     """Return how many instructions of a stage work on one number, and how many on vectors."""
+    code = assembly(stage, *args)
+    return len(ON_ONE.findall(code)), len(ON_VECTORS.findall(code))
+
+
+def assembly(stage, *args):
+    """Return the instructions of a loop over a stage."""
     inlined = kernel(stage)
 
     def loop(first, last, worlds, buffers, outcome):
@@ -73,8 +80,7 @@ def instructions(stage, *args):
 
     compiled = numba.njit(**ENTERED)(loop)
     compiled.compile(_signature(args))
-    code = "".join(compiled.inspect_asm().values())
-    return len(ON_ONE.findall(code)), len(ON_VECTORS.findall(code))
+    return "".join(compiled.inspect_asm().values())
 
 
 @pytest.mark.parametrize(
@@ -114,3 +120,15 @@ def test_the_same_holds_for_hitches_and_rectangles(stage):
     )
     assert on_vectors > 10
     assert on_one <= 1.25 * on_vectors, (on_one, on_vectors)
+
+
+def test_worlds_in_single_precision_are_moved_without_doubles(arrays):
+    def move_a_hav(world, own, result):
+        dt = like(0.2, world.state.x[AGENT, 0])
+        move(VEHICLE, dt, world, AGENT)
+
+    process = DecisionProcess(64, precision="single")
+    code = assembly(move_a_hav, process.batch.worlds, process._buffers, process.outcome())
+    assert len(ON_VECTORS.findall(code)) > 10
+    assert not ON_DOUBLES.findall(code)
+    assert ON_DOUBLES.findall(assembly(move_a_hav, *arrays))

@@ -174,8 +174,11 @@ def test_a_critic_sees_the_states_of_the_worlds_of_its_havs(tmp_path):
         pytest.param(
             ippo, {"scenario": "paper-pair", "backup": "reserve"}, marks=pytest.mark.exhaustive
         ),
+        pytest.param(
+            ippo, {"scenario": "paper-pair", "precision": "single"}, marks=pytest.mark.exhaustive
+        ),
     ],
-    ids=["ippo", "mappo", "backed"],
+    ids=["ippo", "mappo", "backed", "single"],
 )
 def test_a_run_writes_a_file_that_drives(module, changes, tmp_path, capsys):
     folder = tmp_path / "run"
@@ -185,6 +188,7 @@ def test_a_run_writes_a_file_that_drives(module, changes, tmp_path, capsys):
     assert [row["decisions"] for row in curve] == [256, 512, 768]
     kept = load_trained(folder / "best.policy")
     assert kept.about["arguments"] == json.loads((folder / "run.json").read_text())["arguments"]
+    assert kept.about["arguments"]["precision"] == changes.get("precision", "double")
     assert {"curve", "evaluation", "revision"} <= set(kept.about)
     scenario = find_scenario(changes["scenario"])
     table = rollout(load_policy(folder / "last.policy"), scenario, 1, np.arange(2), EVALUATED)

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from baselines.cli.run_options import Backup, Safety
 from hav_env import Observation, SiteReward
+from hav_env.models.quantities import Precision
 from hav_env.vehicles import VEHICLES
 from train import checks
 from train.curriculum import Curriculum
@@ -81,6 +82,8 @@ class Arguments:
     """Policy that drives where an action would leave it no safe way on: reserve."""
     guidance: str = "dubins"
     """Guidance to the goals: dubins, witness, lattice, roads or feasible."""
+    precision: Precision = "double"
+    """Precision of the worlds in training: single is faster. Evaluations are in double."""
     on_collision: Literal["record", "end"] = "end"
     """Rule of training episodes for a collision of HAVs: whether the episode ends."""
     reward: Any = REWARD
