@@ -151,11 +151,11 @@ def observe_worlds(first, last, observation, worlds, buffers, chosen, outcome):
     for w in range(first, last):
         if chosen[w]:
             world = block_of(worlds, w, 1, worlds.units)
-            observe_block(observation, world, buffers, w, first // VECTOR, outcome)
+            observe_block(observation, world, buffers, w, first // VECTOR, True, outcome)
 
 
 @kernel
-def observe_block(observation, world, buffers, start, slot, outcome):
+def observe_block(observation, world, buffers, start, slot, reports, outcome):
     """Write the observations of a block of worlds in which no action has just been taken.
 
     Rewards are zero, and nothing has ended.
@@ -166,13 +166,15 @@ def observe_block(observation, world, buffers, start, slot, outcome):
         buffers: Buffers of all worlds.
         start: Index of the block's first world.
         slot: Index of the scratch columns that this thread may use.
+        reports: Whether to write the infos.
         outcome: Outcome of all worlds, to write.
     """
     block, result = buffers_from(buffers, start, slot), outcome_from(outcome, start)
     for agent in range(result.info.shape[1]):
         plan_route(world, agent, block.scratch, block.remaining)
         _write_outcome(observation, world, agent, block, result)
-        _report(world, agent, block, result)
+        if reports:
+            _report(world, agent, block, result)
         for lane in range(world.lanes):
             result.reward[agent, lane] = 0.0
     for lane in range(world.lanes):

@@ -66,6 +66,7 @@ def begin_episodes(
     places,
     seeds,
     episodes,
+    reports,
     placed,
 ):
     """Begin episodes in a range of those worlds that are to begin, and write their observations.
@@ -84,6 +85,7 @@ def begin_episodes(
         places: (B,) indices of the worlds that are to begin.
         seeds: (W,) of the episodes of all worlds.
         episodes: (W,) numbers of the episodes.
+        reports: Whether to write the infos.
         placed: (B,) bool, to write: whether the scenario placed the HAVs.
     """
     part = take(parts_taken) if first < last else 0
@@ -96,17 +98,18 @@ def begin_episodes(
             block.state.clock[EPISODE, lane] = episodes[places[start + lane]]
         begin(scenario, task, block, placed[start:])
         put_worlds(block, worlds, places[start:])
-        observe_block(observation, block, stage.buffers, on_stage, part, stage.outcome)
-        _put_outcome(stage, on_stage, count, buffers, outcome, places[start:])
+        observe_block(observation, block, stage.buffers, on_stage, part, reports, stage.outcome)
+        _put_outcome(stage, on_stage, count, reports, buffers, outcome, places[start:])
 
 
 @kernel
-def _put_outcome(stage, on_stage, lanes, buffers, outcome, places):
+def _put_outcome(stage, on_stage, lanes, reports, buffers, outcome, places):
     """Copy the first observations of worlds in the stage to their places."""
     seen, kept = stage.outcome, stage.buffers
     copy_rows(lanes_from(kept.remaining, on_stage), buffers.remaining, places, lanes)
     copy_rows(lanes_from(kept.returns, on_stage), buffers.returns, places, lanes)
-    copy_rows(lanes_from(seen.info, on_stage), outcome.info, places, lanes)
+    if reports:
+        copy_rows(lanes_from(seen.info, on_stage), outcome.info, places, lanes)
     copy_rows(lanes_from(seen.reward, on_stage), outcome.reward, places, lanes)
     copy_rows(lanes_from(seen.terminated, on_stage), outcome.terminated, places, lanes)
     copy_rows(lanes_from(seen.truncated, on_stage), outcome.truncated, places, lanes)

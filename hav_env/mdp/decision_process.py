@@ -198,7 +198,7 @@ class DecisionProcess:
             seeds: (W,) int64 seeds; only those of the chosen worlds count.
             episodes: (W,) int64 numbers of the episodes; only those of the chosen worlds count.
             chosen: (W,) bool, the worlds to begin.
-            outcome: Outcome to write for the chosen worlds: no reward, no end.
+            outcome: Outcome to write for the chosen worlds: no reward, no end; infos if ``always``.
 
         Raises:
             PlacementError: If the scenario cannot place the HAVs of a world; that world then has no
@@ -214,7 +214,7 @@ class DecisionProcess:
         models = batch.scenario, batch.task, self.observation
         arrays = batch.worlds, self._buffers, outcome, self._stage
         keys = (np.ascontiguousarray(numbers, np.int64) for numbers in (seeds, episodes))
-        args = *models, *arrays, np.zeros(1, np.int64), places, *keys, placed
+        args = *models, *arrays, np.zeros(1, np.int64), places, *keys, self.always, placed
         try:
             self._run(begin_episodes, places.size, args)
         finally:  # an interrupt is raised after all worlds are done
