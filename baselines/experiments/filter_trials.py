@@ -1,7 +1,8 @@
 """This module tests the safety filter: ``python -m baselines.experiments.filter_trials``.
 
-HAVs of every preset get random commands, or drive at one another at full speed, with and without
-the filter. Collisions between steps count. It takes minutes.
+HAVs of every scenario with a name get random commands, or drive at one another at full speed, with
+and without the filter. On the plane, collisions between steps count; real vehicles at real places
+are compared with each other at steps. It takes about an hour; ``--scenarios`` selects some.
 """
 
 import dataclasses
@@ -12,12 +13,15 @@ import numpy as np
 
 from baselines.cli.bounds import check_whole
 from baselines.cli.markup import markdown
-from hav_env import Task, find_scenario
+from hav_env import OffAxle, OnAxle, Rectangles, Task, find_scenario
 from hav_env.cli.options import run_command
 from hav_env.mdp.decision_process import DecisionProcess
+from hav_env.models.text import suggest
+from hav_env.scenarios.presets import FIELDS, SCENARIOS, SITES
 from hav_env.world.arrays import ACTUAL, HEADING, WHEN, X, Y
 
-PRESETS = ("paper-single", "paper-pair", "swarm-5", "swarm-10", "dense-10", "swarm-20", "swarm-50")
+NAMED = (*SCENARIOS, *FIELDS, *SITES)
+_REAL = OffAxle(bodies=Rectangles())
 _HOLD = 30  # steps for which random commands last
 
 
@@ -25,6 +29,8 @@ _HOLD = 30  # steps for which random commands last
 class TrialOptions:
     """Options of the trials."""
 
+    scenarios: tuple[str, ...] = NAMED
+    """Names of scenarios."""
     havs: int = 10_000
     """Least number of HAVs in each scenario."""
     steps: int = 1_000
@@ -82,6 +88,9 @@ def try_all(options: TrialOptions) -> str:
     """
     check_whole("havs", options.havs, 1, 10**7)
     check_whole("steps", options.steps, 1, 10**7)
+    for scenario in options.scenarios:
+        if scenario not in NAMED:
+            raise ValueError(f"there is no scenario {scenario!r}{suggest(scenario, NAMED)}")
     head = [
         "scenario",
         "commands",
@@ -90,10 +99,11 @@ def try_all(options: TrialOptions) -> str:
         "HAV-steps",
         "jackknifed",
         "collided",
+        "hit an obstacle",
         "changed",
     ]
     rows = [head]
-    for scenario in PRESETS:
+    for scenario in options.scenarios:
         for name in COMMANDERS:
             for safety in (None, "both"):
                 rows.append(
@@ -104,11 +114,17 @@ def try_all(options: TrialOptions) -> str:
 
 def _try(options: TrialOptions, scenario: str, name: str, safety: str | None) -> list[str]:
     """Run one trial; return its cells from the number of HAVs on."""
-    task = Task(max_steps=options.steps, continuous_collisions=True)
+    at_place = scenario not in SCENARIOS
+    task = Task(max_steps=options.steps, continuous_collisions=not at_place)
     num_havs = find_scenario(scenario).num_havs
     worlds = -(-options.havs // num_havs)
     process = DecisionProcess(
-        worlds, scenario=scenario, task=task, safety=safety, threads=options.threads
+        worlds,
+        scenario=scenario,
+        task=task,
+        vehicle=_REAL if at_place else OnAxle(),
+        safety=safety,
+        threads=options.threads,
     )
     outcome, everywhere = process.outcome(), np.ones(worlds, np.bool_)
     process.begin(np.full(worlds, options.seed), np.arange(worlds), everywhere, outcome)
@@ -127,6 +143,7 @@ def _try(options: TrialOptions, scenario: str, name: str, safety: str | None) ->
     return [
         *counts,
         *(f"{int(found.sum()):,}" for found in (info["jackknifed"], collided)),
+        f"{int(info['obstacle_collision'].sum()):,}" if at_place else "",
         changed,
     ]
 
