@@ -14,6 +14,7 @@ from hav_env.safety.trial_moves import (
     keep_posture,
     put_back,
 )
+from hav_env.safety.turns_left import settle_by_turns
 from hav_env.world.arrays import INTERVENTIONS
 from hav_env.world.lanes import moving_block
 
@@ -140,5 +141,8 @@ def _keep_straight(safety, task, vehicle, world, agent, speed, steering, rows):
     bound_backup(task.dt, world, agent, rows)
     for lane in range(world.lanes):
         doubts += (rows[IN_DOUBT, lane] != 0.0) & drives(world, agent, lane)
+    if doubts > 0:
+        joints = world.fleet.joints
+        doubts -= settle_by_turns(joints, safety, vehicle, task.dt, world, agent, rows)
     if doubts > 0:
         find_safe_commands(safety, task, vehicle, world, agent, speed, steering, rows)

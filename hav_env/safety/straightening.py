@@ -8,7 +8,7 @@ a time. docs/safety-filter.md has the proofs.
 
 import math
 
-from hav_env.compiled import kernel, rare_kernel
+from hav_env.compiled import fixed, kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import into_frame
 from hav_env.safety.trial_moves import (
@@ -49,7 +49,8 @@ def bound_backup(dt, world, agent, rows):
         rows[LEAST_HEADING, lane] = rows[GREATEST_HEADING, lane] = state.heading[agent, 0, lane]
         rows[IN_DOUBT, lane] = 0.0
         rows[COSINE_LIMIT, lane] = cosine_limit(fleet.limit[agent, ARTICULATION, lane])
-    for unit in range(1, world.units):
+    for number in range(1, world.units):
+        unit = fixed(number)
         for lane in range(world.lanes):
             _bound_unit(dt, world, agent, unit, lane, rows)
     for lane in range(world.lanes):
@@ -61,33 +62,24 @@ def bound_backup(dt, world, agent, rows):
 @kernel
 def _bound_unit(dt, world, agent, unit, lane, rows):
     """Propagate both bounds to the next unit."""
+    # reads come before selections: compiled code branches where it selects between reads
     state, fleet = world.state, world.fleet
+    curvature, doubt = rows[PATH_CURVATURE, lane], rows[IN_DOUBT, lane]
+    so_far = rows[LEAST_HEADING, lane], rows[GREATEST_HEADING, lane]
+    limit, heading = rows[COSINE_LIMIT, lane], state.heading[agent, unit, lane]
+    direction = state.cosine[agent, unit, lane], state.sine[agent, unit, lane]
+    ahead = state.cosine[agent, unit - 1, lane], state.sine[agent, unit - 1, lane]
+    length, step = fleet.length[agent, unit, lane], dt * fleet.limit[agent, SPEED, lane]
+    offset = abs(hitch_offset(fleet.joints, agent, unit - 1, lane))
     present = unit <= fleet.num_trailers[agent, lane]
-    step = dt * fleet.limit[agent, SPEED, lane]
-    length = fleet.length[agent, unit, lane] if present else 1.0
-    offset = abs(hitch_offset(fleet.joints, agent, unit - 1, lane)) if present else 0.0
-    least, greatest = bound_headings(
-        rows[LEAST_HEADING, lane],
-        rows[GREATEST_HEADING, lane],
-        state.heading[agent, unit, lane],
-        step,
-        length,
-        offset,
-    )
-    rows[LEAST_HEADING, lane] = least if present else rows[LEAST_HEADING, lane]
-    rows[GREATEST_HEADING, lane] = greatest if present else rows[GREATEST_HEADING, lane]
+    length, offset = length if present else 1.0, offset if present else 0.0
 
-    cosine, sine = into_frame(
-        state.cosine[agent, unit, lane],
-        state.sine[agent, unit, lane],
-        state.cosine[agent, unit - 1, lane],
-        state.sine[agent, unit - 1, lane],
-    )
-    curvature = rows[PATH_CURVATURE, lane]
-    held, behind = bound_joint(
-        curvature, step, length, offset, cosine, sine, rows[COSINE_LIMIT, lane]
-    )
-    rows[IN_DOUBT, lane] = 1.0 if present and not held else rows[IN_DOUBT, lane]
+    least, greatest = bound_headings(*so_far, heading, step, length, offset)
+    cosine, sine = into_frame(*direction, *ahead)
+    held, behind = bound_joint(curvature, step, length, offset, cosine, sine, limit)
+    rows[LEAST_HEADING, lane] = least if present else so_far[0]
+    rows[GREATEST_HEADING, lane] = greatest if present else so_far[1]
+    rows[IN_DOUBT, lane] = doubt if held | (not present) else 1.0
     rows[PATH_CURVATURE, lane] = behind if present else curvature
 
 

@@ -181,7 +181,7 @@ def judge(safety, vehicle, chains, bay, width, beyond):
             excess = chains.joint[0, BENT_EXCESS, slot]
             worst, bent = max(worst, excess), bent or not excess < 0.0
         if bent:
-            return UNSAFE if _is_proved(vehicle) and worst > _UNSURE_ANGLE else UNSURE
+            return UNSAFE if is_proved(vehicle) and worst > _UNSURE_ANGLE else UNSURE
     done, number = (
         own[WAVES_MADE] - own[BAY_TRAILERS] + 1.0,
         int(own[NEWEST_LOOK] - own[LOOKS_BEHIND]),
@@ -208,15 +208,15 @@ def _count_wave(vehicle, own):
 
 
 @generic
-def _is_proved(vehicle):
+def is_proved(vehicle):
     """Return whether joints keep their limits at and between all steps once a bound holds."""
 
 
-@_is_proved.register(OnAxle)
+@is_proved.register(OnAxle)
 def _is_single_step(vehicle):
     return vehicle.substeps == 1  # joints between steps do not count
 
 
-@_is_proved.register(OffAxle)
+@is_proved.register(OffAxle)
 def _is_not_proved(vehicle):
     return False
