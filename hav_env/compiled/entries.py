@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numba
+import numpy as np
 from numba.core.errors import NumbaError
 
 from hav_env.compiled.cache_folder import find_home
@@ -160,10 +161,15 @@ def _rare_collection() -> Iterator[None]:
 
 
 def _kind_of(value: Any) -> Any:
-    """Return the type of an argument, and those of the tuples in it."""
+    """Return the type of an argument, with its precision if it is an array.
+
+    Of a tuple, return the types of the tuples in it and of its first part: all arrays of a state
+    have the same precision.
+    """
     if not isinstance(value, tuple):
-        return type(value)
-    return type(value), *(_kind_of(part) for part in value if isinstance(part, tuple))
+        return value.dtype.char if isinstance(value, np.ndarray) else type(value)
+    parts = (_kind_of(part) for part in value[1:] if isinstance(part, tuple))
+    return type(value), *map(_kind_of, value[:1]), *parts
 
 
 def _classes_of(kinds: tuple) -> Iterator[type]:
