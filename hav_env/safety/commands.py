@@ -23,6 +23,7 @@ from hav_env.safety.trial_moves import (
     ASKED_STEERING,
     IN_DOUBT,
     drive_on_trial,
+    drives,
     put_back,
 )
 from hav_env.safety.waves import PENDING, UNSAFE, UNSURE, WILL_STRAIGHTEN, enter, judge, wave
@@ -31,12 +32,6 @@ from hav_env.world.lanes import block_of
 
 # shares of the commanded steering; the filter keeps the largest possible one
 _STEERING_SHARES = (0.85, 0.7, 0.5, 0.25, 0.0)
-
-
-@kernel
-def drives(world, agent, lane):
-    """Return whether a HAV moves in its trial step."""
-    return (world.state.speed[agent, lane] > 0.0) & (not world.state.waiting[agent, lane])
 
 
 @kernel

@@ -2,7 +2,8 @@
 
 import math
 
-from hav_env.compiled import generic, kernel
+from hav_env.compiled import fixed, generic, kernel
+from hav_env.safety.trial_moves import LONGEST_MOVE, SHORTEST_UNIT, WIDEST_BODY
 from hav_env.world.arrays import SPEED, STEERING_COSINE, STEERING_SINE
 from hav_env.world.rectangle_bodies import margin_of
 from hav_env.world.units.joints import hitch_offset
@@ -78,15 +79,54 @@ def _exactly_most(joints, world, agent, lane, dt):
 
 @_roughly_most.register(OnAxles)
 def _roughly_on_axles(joints, world, agent, lane, dt):
-    fleet, limit = world.fleet, world.fleet.limit
-    cosine, sine = limit[agent, STEERING_COSINE, lane], limit[agent, STEERING_SINE, lane]
-    step, shortest = dt * limit[agent, SPEED, lane], fleet.length[agent, 0, lane]
-    squared = (sine / cosine) * (sine / cosine)
-    front = step * math.sqrt(1.0 + squared * (1.0 + 2.0 * step / shortest))
-    widest, trailers = margin_of(fleet.bodies, agent, 0, lane), fleet.num_trailers[agent, lane]
-    for unit in range(1, trailers + 1):
+    fleet = world.fleet
+    shortest, widest = fleet.length[agent, 0, lane], margin_of(fleet.bodies, agent, 0, lane)
+    for unit in range(1, fleet.num_trailers[agent, lane] + 1):
         shortest = min(shortest, fleet.length[agent, unit, lane])
         widest = max(widest, margin_of(fleet.bodies, agent, unit, lane))
+    return _longest_move(world, agent, lane, dt, shortest, widest)
+
+
+@kernel
+def _longest_move(world, agent, lane, dt, shortest, widest):
+    """Return the bound [m], given the length of the shortest unit and the margin of the widest."""
+    fleet, limit = world.fleet, world.fleet.limit
+    cosine, sine = limit[agent, STEERING_COSINE, lane], limit[agent, STEERING_SINE, lane]
+    step, squared = dt * limit[agent, SPEED, lane], (sine / cosine) * (sine / cosine)
+    wheelbase = fleet.length[agent, 0, lane]
+    front = step * math.sqrt(1.0 + squared * (1.0 + 2.0 * step / wheelbase))
     share = 1.0 / shortest
-    drift = _DRIFT * float(trailers) * share
+    drift = _DRIFT * float(fleet.num_trailers[agent, lane]) * share
     return _ROUNDED_UP * (max(front, step + drift * step * step) + widest * front * share)
+
+
+@generic
+def bound_moves(joints, world, agent, dt, rows):
+    """Write the bound of ``roughly_most`` to row LONGEST_MOVE, in every lane of a block."""
+
+
+@bound_moves.otherwise
+def _bound_nothing(joints, world, agent, dt, rows):
+    for lane in range(world.lanes):
+        rows[LONGEST_MOVE, lane] = math.inf
+
+
+@bound_moves.register(OnAxles)
+def _bound_on_axles(joints, world, agent, dt, rows):
+    fleet = world.fleet
+    for lane in range(world.lanes):
+        rows[SHORTEST_UNIT, lane] = fleet.length[agent, 0, lane]
+        rows[WIDEST_BODY, lane] = margin_of(fleet.bodies, agent, 0, lane)
+    for number in range(1, world.units):
+        unit = fixed(number)
+        for lane in range(world.lanes):
+            shortest, widest = rows[SHORTEST_UNIT, lane], rows[WIDEST_BODY, lane]
+            length = fleet.length[agent, unit, lane]
+            width = margin_of(fleet.bodies, agent, unit, lane)
+            present = unit <= fleet.num_trailers[agent, lane]
+            rows[SHORTEST_UNIT, lane] = min(shortest, length) if present else shortest
+            rows[WIDEST_BODY, lane] = max(widest, width) if present else widest
+    for lane in range(world.lanes):
+        rows[LONGEST_MOVE, lane] = _longest_move(
+            world, agent, lane, dt, rows[SHORTEST_UNIT, lane], rows[WIDEST_BODY, lane]
+        )

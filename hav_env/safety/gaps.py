@@ -7,8 +7,32 @@ from hav_env.maths.geometry import squared_gap
 from hav_env.maths.rectangles import rectangle_gap
 from hav_env.world.bodies import find_box
 from hav_env.world.chain import ends_behind, front_axle
+from hav_env.world.collision import AXLE_ROUNDING
 from hav_env.world.rectangle_bodies import rectangle_of
 from hav_env.world.units.parts import Lines, Outlines
+
+
+@generic
+def boxes_apart(bodies, world, agent, other, lane, gap):
+    """Return whether boxes round two HAVs show that ``gap_of_bodies`` is at least a gap [m]."""
+
+
+@boxes_apart.register(Lines)
+def _boxes_of_lines_apart(bodies, world, agent, other, lane, gap):
+    """Add the rounding of axles, so that the gap of no two units may be less."""
+    return _boxes_clear(world, agent, other, lane, gap + AXLE_ROUNDING)
+
+
+@boxes_apart.register(Outlines)
+def _rectangles_not_apart(bodies, world, agent, other, lane, gap):
+    return False  # gaps of rectangles may be less than the distance
+
+
+@kernel
+def _boxes_clear(world, agent, other, lane, gap):
+    left, right, low, high = find_box(world.fleet.bodies, world, agent, lane)
+    box = find_box(world.fleet.bodies, world, other, lane)
+    return not _boxes_nearer(left, low, right, high, box[0], box[2], box[1], box[3], gap * gap)
 
 
 @generic

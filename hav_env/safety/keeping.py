@@ -1,9 +1,9 @@
 """This module filters the commands of HAVs that all decide on the same state of a world."""
 
 from hav_env.compiled import fixed, generic, kernel, lanes_from
-from hav_env.safety.commands import drives, find_safe_commands
+from hav_env.safety.commands import find_safe_commands
 from hav_env.safety.filters import ONLY_COLLISIONS, ONLY_JACKKNIFES, SafetyFilter, Unfiltered
-from hav_env.safety.keeping_apart import may_come_near, may_go_too_far, must_stand
+from hav_env.safety.keeping_apart import keep_apart
 from hav_env.safety.straightening import bound_backup
 from hav_env.safety.trial_moves import (
     ASKED_SPEED,
@@ -11,6 +11,7 @@ from hav_env.safety.trial_moves import (
     IN_DOUBT,
     count_rows,
     drive_on_trial,
+    drives,
     keep_posture,
     put_back,
 )
@@ -119,13 +120,7 @@ def keep_safe(safety, task, vehicle, world, agent, speed, steering, rows):
     if safety.against != ONLY_COLLISIONS:
         _keep_straight(safety, task, vehicle, world, agent, speed, steering, rows)
     if safety.against != ONLY_JACKKNIFES:
-        for lane in range(world.lanes):
-            if drives(world, agent, lane):
-                stands = may_go_too_far(task, world, agent, lane) or (
-                    may_come_near(task, world, agent, lane)
-                    and must_stand(safety, task, world, agent, lane, rows)
-                )
-                speed[agent, lane] = 0.0 if stands else speed[agent, lane]
+        keep_apart(safety, task, world, agent, speed, rows)
     put_back(world, agent, rows)
     for lane in range(world.lanes):
         slower = speed[agent, lane] != rows[ASKED_SPEED, lane]

@@ -9,12 +9,17 @@ B. The other HAV certainly stands, or yields by the right of way, and the sum of
    and after the step exceeds the HAV's own movement.
 """
 
-from hav_env.compiled import generic, kernel, rare_kernel
+from hav_env.compiled import fixed, generic, kernel, rare_kernel
 from hav_env.maths.elementary import sincos
-from hav_env.safety.displacement import bound_displacement, most_displacement, roughly_most
-from hav_env.safety.gaps import gap_of_bodies
-from hav_env.safety.trial_moves import swap_posture
-from hav_env.world.arrays import NEVER, SPEED, STEP, World
+from hav_env.safety.displacement import (
+    bound_displacement,
+    bound_moves,
+    most_displacement,
+    roughly_most,
+)
+from hav_env.safety.gaps import boxes_apart, gap_of_bodies
+from hav_env.safety.trial_moves import LONGEST_MOVE, MAY_BE_NEAR, drives, swap_posture
+from hav_env.world.arrays import HANDFUL, NEVER, SPEED, STEP, World
 from hav_env.world.collision import reach, squared_distance, within
 from hav_env.world.event_table import obstacle_hit_at
 from hav_env.world.obstacles.collisions import gap_to_segment
@@ -28,23 +33,57 @@ _SPARE_GAP = 1e-3
 
 
 @kernel
+def _find_suspects(task, world, agent, rows):
+    """Write bounds on moves, and whether others may be near, in every lane of a block."""
+    bound_moves(world.fleet.joints, world, agent, task.dt, rows)
+    num_havs = world.state.x.shape[0]
+    if num_havs > HANDFUL:
+        for lane in range(world.lanes):
+            near = may_come_near(task, world, agent, lane)
+            rows[MAY_BE_NEAR, lane] = 1.0 if near else 0.0
+        return
+    for lane in range(world.lanes):
+        step = task.dt * world.fleet.limit[agent, SPEED, lane]
+        near = may_reach_obstacle(world.place, world, agent, lane, FARTHEST_STEPS * step)
+        rows[MAY_BE_NEAR, lane] = 1.0 if near else 0.0
+    for number in range(num_havs):
+        other = fixed(number)
+        if other != agent:
+            for lane in range(world.lanes):  # whether they sense each other does not matter here
+                near = _may_meet(task, world, agent, other, lane)
+                rows[MAY_BE_NEAR, lane] = max(rows[MAY_BE_NEAR, lane], 1.0 if near else 0.0)
+
+
+@kernel
 def may_come_near(task, world: World, agent: int, lane: int) -> bool:
     """Return whether a HAV's step may reach a neighbour or an obstacle: a quick test."""
-    step = task.dt * world.fleet.limit[agent, SPEED, lane]
-    own = reach(world.fleet, agent, lane)
     for k in range(num_neighbors(world, agent, lane)):
-        other = neighbor_id(world, agent, k, lane)
-        longest = max(step, task.dt * world.fleet.limit[other, SPEED, lane])
-        limit = own + reach(world.fleet, other, lane) + FARTHEST_STEPS * longest
-        if within(squared_distance(world, agent, other, lane), limit):
+        if _may_meet(task, world, agent, neighbor_id(world, agent, k, lane), lane):
             return True
+    step = task.dt * world.fleet.limit[agent, SPEED, lane]
     return may_reach_obstacle(world.place, world, agent, lane, FARTHEST_STEPS * step)
+
+
+@kernel
+def _may_meet(task, world, agent, other, lane):
+    """Return whether two HAVs are so near that a step of both may let them touch."""
+    own, others = (
+        world.fleet.limit[agent, SPEED, lane],
+        world.fleet.limit[other, SPEED, lane],
+    )
+    reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
+    limit = reaches + FARTHEST_STEPS * (task.dt * max(own, others))
+    return within(squared_distance(world, agent, other, lane), limit)
 
 
 @kernel
 def may_go_too_far(task, world: World, agent: int, lane: int) -> bool:
     """Return whether a HAV's step may be too long for the quick test, or for its sensing range."""
-    rough = roughly_most(world, agent, lane, task.dt)
+    return _may_go_too_far(task, world, agent, lane, roughly_most(world, agent, lane, task.dt))
+
+
+@kernel
+def _may_go_too_far(task, world, agent, lane, rough):
     longest = FARTHEST_STEPS * task.dt * world.fleet.limit[agent, SPEED, lane]
     if rough <= longest and 2.0 * rough <= task.sensing_range:
         return False  # as the bound itself, which is not longer
@@ -53,6 +92,30 @@ def may_go_too_far(task, world: World, agent: int, lane: int) -> bool:
 
 
 @rare_kernel
+def keep_apart(safety, task, world, agent, speed, rows):
+    """Stop one HAV for a step that might end in a collision, in every lane of a block.
+
+    The loop is in a function of its own, because a call passes on every array of a world.
+
+    Args:
+        safety: Safety filter.
+        task: Rules of the episode.
+        world: Block of worlds, in which the HAV is at its position after the step.
+        agent: Index of the HAV.
+        speed: (N, W) commands [m/s]; row ``agent`` is overwritten where the HAV must stand.
+        rows: Scratch, which keeps the HAV's position before the step.
+    """
+    _find_suspects(task, world, agent, rows)
+    for lane in range(world.lanes):
+        if drives(world, agent, lane):
+            stands = _may_go_too_far(task, world, agent, lane, rows[LONGEST_MOVE, lane]) or (
+                rows[MAY_BE_NEAR, lane] != 0.0
+                and must_stand(safety, task, world, agent, lane, rows)
+            )
+            speed[agent, lane] = 0.0 if stands else speed[agent, lane]
+
+
+@kernel
 def must_stand(safety, task, world, agent, lane, rows):
     """Return whether a HAV must stand for the step of its trial.
 
@@ -93,6 +156,8 @@ def _keeps_from(safety, task, world, agent, other, lane, way, rows):
     if not within(squared, reaches + need):
         return True
     bodies = world.fleet.bodies
+    if boxes_apart(bodies, world, agent, other, lane, need):
+        return True
     after = gap_of_bodies(bodies, world, agent, other, lane, need)
     if after >= need:
         return True

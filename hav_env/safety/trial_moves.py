@@ -23,6 +23,9 @@ from hav_env.vehicles import actuate, actuators_of, move
     COSINE_LIMIT,
     POSTURE,
 ) = range(12)
+# the same rows again, once the bounds of the backup are done: the longest move of any command [m];
+# the shortest unit and the widest body; whether another HAV or an obstacle may be near
+LONGEST_MOVE, SHORTEST_UNIT, WIDEST_BODY, MAY_BE_NEAR = range(PATH_CURVATURE, COSINE_LIMIT)
 
 
 def count_rows(units: int) -> int:
@@ -91,3 +94,9 @@ def drive_on_trial(vehicle, dt, world, agent, speed, steering):
     """
     actuate(actuators_of(vehicle), dt, world, agent, speed, steering)
     move(vehicle, dt, world, agent)
+
+
+@kernel
+def drives(world, agent, lane):
+    """Return whether a HAV moves in its trial step."""
+    return (world.state.speed[agent, lane] > 0.0) & (not world.state.waiting[agent, lane])

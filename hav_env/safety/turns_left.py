@@ -9,8 +9,7 @@ import math
 
 from hav_env.compiled import generic, kernel, local_array, rare_kernel
 from hav_env.maths.elementary import log, sincos
-from hav_env.safety.commands import drives
-from hav_env.safety.trial_moves import IN_DOUBT
+from hav_env.safety.trial_moves import IN_DOUBT, drives
 from hav_env.safety.waves import is_proved
 from hav_env.world.arrays import ARTICULATION, SPEED
 from hav_env.world.units.parts import OnAxles

@@ -6,8 +6,9 @@ import shapely
 
 from hav_env import Batch, OffAxle, OnAxle, RandomFleet, RandomPoses, Rectangles, catalogue_fleet
 from hav_env.compiled import entry
-from hav_env.safety.displacement import most_displacement
-from hav_env.safety.gaps import gap_of_bodies
+from hav_env.safety.displacement import bound_moves, most_displacement
+from hav_env.safety.gaps import boxes_apart, gap_of_bodies
+from hav_env.safety.trial_moves import LONGEST_MOVE, count_rows
 from hav_env.world.lanes import block_of
 from tests.support.budgets import budget
 from tests.support.obstacles import body_shapes
@@ -22,6 +23,19 @@ VEHICLE_MODELS = [
 def _bound_all(first, last, worlds, dt, bounds):
     for w in range(first, last):
         bounds[w] = most_displacement(worlds, 0, w, dt)
+
+
+@entry
+def _compare_moves(first, last, worlds, dt, rows):
+    block = block_of(worlds, first, last - first, worlds.units)
+    bound_moves(worlds.fleet.joints, block, 0, dt, rows)
+
+
+@entry
+def _compare_boxes(first, last, worlds, gap, apart):
+    for w in range(first, last):
+        block = block_of(worlds, w, 1, worlds.units)
+        apart[w] = boxes_apart(worlds.fleet.bodies, block, 0, 1, 0, gap)
 
 
 @entry
@@ -92,6 +106,27 @@ def test_gaps_of_rectangles_are_zero_where_they_meet_and_never_above_the_distanc
     assert np.array_equal(gaps > 1e-9, expected > 1e-9)
     near = (expected < most) & (expected > 0.0)
     assert (gaps[near] > 0.7 * expected[near]).all()
+
+
+def test_havs_whose_boxes_are_apart_have_no_smaller_gap():
+    worlds, gap = nearby_pairs(OnAxle(), 23), 1.5
+    apart, gaps = np.zeros(worlds.lanes, np.bool_), np.zeros(worlds.lanes)
+    _compare_boxes(worlds.lanes, worlds, gap, apart, threads=1)
+    _gaps(worlds.lanes, worlds, gap, gaps, threads=1)
+    assert (distances(worlds)[apart] > gap).all()
+    assert (gaps[apart] == gap).all()
+    assert 0.05 < apart.mean() < 0.9
+
+
+def test_rough_bounds_on_moves_are_not_shorter_than_the_bounds():
+    batch = Batch(RandomPoses(num_havs=1, fleet=RandomFleet()), budget(500, 20))
+    batch.reset(25)
+    worlds, exact = batch.worlds, np.zeros(batch.num_worlds)
+    rows = np.zeros((count_rows(worlds.units), worlds.lanes))
+    _bound_all(worlds.lanes, worlds, 0.2, exact, threads=1)
+    _compare_moves(worlds.lanes, worlds, 0.2, rows, threads=1)
+    assert (rows[LONGEST_MOVE] >= exact).all()
+    assert (rows[LONGEST_MOVE] < 1.5 * exact).all()
 
 
 def nearby_pairs(vehicle, seed):
