@@ -7,10 +7,10 @@ from hav_env.compiled import generic, kernel
 from hav_env.world.arrays import Fleet, State, World
 from hav_env.world.units.parts import Hitches, Motion, OnAxles
 
-NARROW_BAY, WIDE_BAY = 8, 16  # trailers of a bay; narrow ones are side by side
-BAYS = WIDE_BAY // NARROW_BAY
+NARROW_BAY, WIDE_BAY = 8, 16  # trailers of a bay: a vector, or several
+BAYS = 2  # narrow bays side by side at most
 SLOTS = 112  # trailers of a block at most: 100, in whole vectors
-LOOK_PERIOD = 8  # steps between looks
+LOOK_PERIOD = 16  # steps between looks
 MOST_LOOKS = SLOTS // LOOK_PERIOD + 1  # looks under way at most
 # rows of joints: heading of the unit ahead [rad]; limit of the articulation, and excess over it
 HEADING_AHEAD, MOST_BENT, BENT_EXCESS, JOINT_ROWS = range(4)

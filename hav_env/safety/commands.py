@@ -87,12 +87,12 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
         local_array(BAYS, MOST_LOOKS, LOOK_COLUMNS),
         local_array(1, BAYS, BAY_COLUMNS),
     )
-    slots = max(width, WIDE_BAY)
+    bays = max(BAYS * NARROW_BAY // width, 1)
     h, begin, beyond, active = dt / vehicle.substeps, 0, 0, 1
-    clear_chains(chains, slots)
+    clear_chains(chains, bays * width)
     while active > 0:
-        active = 0
-        for bay in range(slots // width):
+        active = 0  # slots up to the last bay in use
+        for bay in range(bays):
             own = chains.bay[0, bay]
             lane, number, verdict = int(own[OWN_LANE]), int(own[TRIAL_NUMBER]), WILL_STRAIGHTEN
             if lane >= 0:
@@ -122,13 +122,23 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
                 own[TRIAL_NUMBER] = float(number)
                 verdict = UNSAFE if bent else PENDING
                 given = number < 0  # the bounds alone decide on the given command
-                if number == len(_STEERING_SHARES) or (
+                if _is_backup(world, agent, lane, rows, number) or (
                     bent and given and not is_in_doubt(dt, one, agent, own_rows)
                 ):
                     verdict = WILL_STRAIGHTEN
-            active += own[OWN_LANE] >= 0.0
+            active = (bay + 1) * width if own[OWN_LANE] >= 0.0 else active
         if active > 0:
-            beyond = wave(vehicle, h, world, chains, width, slots)
+            beyond = wave(vehicle, h, world, chains, width, active)
+
+
+@kernel
+def _is_backup(world, agent, lane, rows, number):
+    """Return whether a command on trial is the backup: the last one, or no steering at full speed.
+
+    It needs no prediction, because nothing else would follow.
+    """
+    full = rows[ASKED_SPEED, lane] == world.fleet.limit[agent, SPEED, lane]
+    return number >= len(_STEERING_SHARES) - (1 if full else 0)
 
 
 @kernel

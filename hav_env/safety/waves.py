@@ -7,10 +7,10 @@ eight of them. Before each wave, the values that they hand on move to the next l
 own kernel moves the trailers, so a prediction has the bits of a simulation.
 
 A **look** follows one step down the chain, one trailer in each wave, and evaluates the bounds of
-``hav_env.safety.straightening`` there. There is a look at every eighth step only. This is enough: a
-HAV straightens if a bound holds before any joint reaches its limit, and once a bound holds, no
-joint reaches it later. Where rounding may decide, or the vehicle has no proof, the prediction is
-repeated step by step.
+``hav_env.safety.straightening`` there. There is a look at every sixteenth step only. This is
+enough: a HAV straightens if a bound holds before any joint reaches its limit, and once a bound
+holds, no joint reaches it later. Where rounding may decide, or the vehicle has no proof, the
+prediction is repeated step by step.
 """
 
 import math
