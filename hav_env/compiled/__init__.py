@@ -31,7 +31,7 @@ from hav_env.compiled.precision import (
     two_to,
     whole_in,
 )
-from hav_env.compiled.registers import local_array, shift_up
+from hav_env.compiled.registers import local_array, local_singles, shift_up
 from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
 
 __all__ = [
@@ -55,6 +55,7 @@ __all__ = [
     "lanes_from",
     "like",
     "local_array",
+    "local_singles",
     "loop_kernel",
     "narrow",
     "of_width",

@@ -21,6 +21,11 @@ def local_array(units, rows, lanes):
     return np.zeros((units, rows, lanes))
 
 
+def local_singles(rows, lanes):
+    """Return an array of two axes of float32: otherwise ``local_array``."""
+    return np.zeros((rows, lanes), np.float32)
+
+
 def shift_up(rows, row, place, value):
     """Move the eight numbers rows[row, place : place + 8] up one place, and put a value first.
 
@@ -42,24 +47,32 @@ def _type_local_array(context):
     return lambda units, rows, lanes: numba.types.Array(numba.float64, 3, "C")
 
 
+@type_callable(local_singles)
+def _type_local_singles(context):
+    return lambda rows, lanes: numba.types.Array(numba.float32, 2, "C")
+
+
 @type_callable(shift_up)
 def _type_shift_up(context):
     return lambda rows, row, place, value: numba.float64
 
 
 @lower_builtin(local_array, *(numba.types.Integer,) * 3)
+@lower_builtin(local_singles, *(numba.types.Integer,) * 2)
 def _lower_local_array(context, builder, signature, arguments):
-    word, real = ir.IntType(64), ir.DoubleType()
+    word, kind = ir.IntType(64), signature.return_type
+    real = context.get_value_type(kind.dtype)
+    size = 4 if kind.dtype == numba.float32 else 8
     shape = [length.constant for length in arguments]
     memory = cgutils.alloca_once(builder, ir.ArrayType(real, math.prod(shape)))
     memory.align = 64
-    view = context.make_array(signature.return_type)(context, builder)
+    view = context.make_array(kind)(context, builder)
     populate_array(
         view,
         data=builder.bitcast(memory, real.as_pointer()),
         shape=[word(length) for length in shape],
-        strides=[word(8 * math.prod(shape[axis:])) for axis in (1, 2, 3)],
-        itemsize=word(8),
+        strides=[word(size * math.prod(shape[axis:])) for axis in range(1, len(shape) + 1)],
+        itemsize=word(size),
         meminfo=None,
     )
     return view._getvalue()

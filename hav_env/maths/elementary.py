@@ -38,9 +38,14 @@ def floor(x):
 
     In single precision |x| must be below 2**22.
     """
-    rounder = rounder_of(x)
-    nearest = (x + rounder) - rounder
+    nearest = nearest_whole(x)
     return nearest - 1.0 if nearest > x else nearest
+
+
+@kernel
+def nearest_whole(x):
+    """Return the whole number nearest to x, of two the even one, with the limits of ``floor``."""
+    return (x + rounder_of(x)) - rounder_of(x)
 
 
 @kernel

@@ -17,8 +17,9 @@ from hav_env.observation.layout import (
     settle,
 )
 from hav_env.observation.neighbors import observe_neighbors
-from hav_env.observation.obstacles import OBSTACLE_SIZE, observe_obstacles, observe_rays
+from hav_env.observation.obstacles import OBSTACLE_SIZE, observe_obstacles
 from hav_env.observation.own import MOTION, observe_itself, observe_motion
+from hav_env.observation.rays import observe_rays
 from hav_env.observation.route import observe_route, plan_route
 from hav_env.observation.rows import write_rows
 from hav_env.observation.scratch import SCRATCH_ROWS, Scratch
@@ -64,7 +65,7 @@ def observe(observation, world, agent, scratch, columns):
         observe_obstacles(world.place, observation, world, agent, scratch, columns, first)
         first += observation.obstacles * OBSTACLE_SIZE
     if observation.rays > 0:
-        observe_rays(observation, world, agent, scratch, columns, first)
+        observe_rays(observation, world, agent, columns, first)
         first += observation.rays
     if observation.neighbors > 0:
         observe_neighbors(observation, world, agent, scratch, columns, first)

@@ -17,12 +17,10 @@ GOAL_FORWARD, GOAL_LEFT, APPROACH_FORWARD, APPROACH_LEFT = range(6, 10)
 GOAL_HEADING, GOAL_COSINE, GOAL_SINE = range(10, 13)
 # radii of the circles of the paths to the two points, truck's length [m]; maximum steering [rad]
 DRIVABLE_RADIUS, STABLE_RADIUS, WHEELBASE, STEERING_MAX = range(13, 17)
-# of a segment: squared distance [m^2], index; in the truck's frame its middle, and the vector from
-# there to one end [m]; then the rays that may meet it, and directions of rays, which are not lanes
-SEEN_SQUARED, SEEN_NUMBER, SEEN_X, SEEN_Y, SEEN_HALF_X, SEEN_HALF_Y = range(17, 23)
-FIRST_RAY, RAY_COUNT, RAY_COSINE, RAY_SINE = range(23, 27)
+# of a segment: squared distance [m^2], index
+SEEN_SQUARED, SEEN_NUMBER = 17, 18
 # the curvature that keeps to the route if it is held for the next metre, left positive [1/m]
-HELD_CURVATURE, SCRATCH_ROWS = range(27, 29)
+HELD_CURVATURE, SCRATCH_ROWS = range(19, 21)
 
 
 class Scratch(NamedTuple):

@@ -14,6 +14,7 @@ from hav_env.world.rectangle_bodies import body_of
 
 _TINY = 1e-30  # keeps quotients finite for a ray parallel to a side
 _PARALLEL = 1e-6  # [rad], approximate largest angle between a ray and a segment along it
+_BESIDE = 20.0 * _PARALLEL  # [rad]
 _THIN = 1e-10  # [m], width of a segment or line seen from its end
 
 
@@ -47,6 +48,33 @@ def to_segment(cosine, sine, x, y, half_x, half_y):
     last = along + half if parallel else length
     meets = abs(aside) <= (_THIN if parallel else abs(turn))
     return ahead_of(first, last) if meets else math.inf
+
+
+@kernel
+def across_segment(cosine, sine, x, y, half_x, half_y):
+    """Return the same as ``to_segment`` if no ray may lie along the segment, see below."""
+    turn = cosine * half_y - sine * half_x
+    aside = x * sine - y * cosine
+    meets = abs(aside) <= abs(turn)
+    length = (x * half_y - y * half_x) / (turn if meets else 1.0)
+    return length if meets & (length >= 0.0) else math.inf
+
+
+@kernel
+def may_lie_along(x, y, half_x, half_y, half):
+    """Return whether a ray may meet a segment that is parallel to it, up to rounding.
+
+    The origin is then near the line through the segment: at most ``_PARALLEL`` times the sum of
+    their lengths from it. The bound has room for rounding in single precision.
+
+    Args:
+        x: x of the middle of the segment [m].
+        y: y of the middle of the segment [m].
+        half_x: x from the middle to one end [m].
+        half_y: y from the middle to one end [m].
+        half: Half the length of the segment [m].
+    """
+    return abs(x * half_y - y * half_x) <= _BESIDE * half * (max(abs(x), abs(y)) + half)
 
 
 @kernel
