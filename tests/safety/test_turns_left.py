@@ -10,7 +10,7 @@ from hav_env.compiled import canonical, entry
 from hav_env.safety.filters import SafetyFilter
 from hav_env.safety.straightening import bound_backup
 from hav_env.safety.trial_moves import IN_DOUBT, count_rows
-from hav_env.safety.turns_left import settle_by_turns
+from hav_env.safety.turns_left import bound_bend, settle_by_turns
 from hav_env.world.lanes import block_of
 from tests.safety.test_straightening import bent, straighten
 from tests.support.budgets import budget
@@ -50,8 +50,36 @@ def test_joints_keep_their_limits_until_the_hav_is_straight_within_the_horizon(l
     assert (spread[~doubts] < min(limit, math.pi / 2) - 1e-6).all()
 
 
-def final_headings(worlds, steps):
-    """Return the headings (U, W) [rad] after steps at full speed, of units that exist."""
+def test_no_joint_bends_beyond_its_own_bound():
+    """The limit hides how near a bound is; each joint is compared with the bound of that joint."""
+    worlds = bent(budget(3_000, 100), 1.5, 46)
+    bends = np.abs(np.diff(worlds.state.heading[0], axis=0))
+    bounds = np.full(bends.shape, math.inf)
+    largest = 0.5 * math.pi - 1e-3
+    for lane in range(worlds.lanes):
+        turn, curvature, length_ahead, bend_ahead = 0.0, 0.0, 1.0, 0.0
+        for joint in range(worlds.fleet.num_trailers[0, lane]):
+            bend, length = bends[joint, lane], worlds.fleet.length[0, joint + 1, lane]
+            before = turn, curvature, length_ahead, bend_ahead
+            limit = largest, math.sin(largest)
+            held, curvature, bend_ahead, half = bound_bend(bend, length, 0.2, *before, *limit)
+            if not held:
+                break
+            bounds[joint, lane] = 2.0 * math.atan(half)
+            turn, length_ahead = turn + bend, length
+    reached = np.zeros(bends.shape)
+    final_headings(worlds, _HORIZON, reached)
+    rising = np.isfinite(bounds) & (reached > bends + 1e-3)
+    assert (reached <= bounds + 1e-9)[np.isfinite(bounds)].all()
+    assert np.count_nonzero(rising) > 0.02 * bounds.size
+    assert ((bounds - reached)[rising] < 0.3).any()
+
+
+def final_headings(worlds, steps, reached=None):
+    """Return the headings (U, W) [rad] after steps at full speed, of units that exist.
+
+    ``reached`` (U - 1, W) gets the largest articulations on the way.
+    """
     theta, length = worlds.state.heading[0].copy(), worlds.fleet.length[0]
     count = worlds.fleet.num_trailers[0]
     for _ in range(steps):
@@ -60,6 +88,9 @@ def final_headings(worlds, steps):
             turn = way / length[unit] * np.sin(theta[unit - 1] - theta[unit])
             theta[unit] += np.where(unit <= count, turn, 0.0)
             way = way * np.cos(theta[unit] - theta[unit - 1])
+            if reached is not None:
+                bend = np.where(unit <= count, np.abs(theta[unit] - theta[unit - 1]), 0.0)
+                np.maximum(reached[unit - 1], bend, out=reached[unit - 1])
     for unit in range(1, theta.shape[0]):
         theta[unit] = np.where(unit <= count, theta[unit], theta[0])
     return theta
