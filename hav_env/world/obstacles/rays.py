@@ -65,7 +65,7 @@ def may_lie_along(x, y, half_x, half_y, half):
     """Return whether a ray may meet a segment that is parallel to it, up to rounding.
 
     The origin is then near the line through the segment: at most ``_PARALLEL`` times the sum of
-    their lengths from it. The bound has room for rounding in single precision.
+    their lengths from it. The bound covers rounding in single precision.
 
     Args:
         x: x of the middle of the segment [m].

@@ -1,4 +1,4 @@
-"""Trials of the safety filter: what they command comes to harm without it, and not with it."""
+"""Trials of the safety filter: HAVs come to harm without it, and none with it."""
 
 import pytest
 
