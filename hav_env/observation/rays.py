@@ -275,8 +275,9 @@ def _look_at_body(observation, world, agent, other, unit, listed, seen, body):
         lane = int(seen[_SEEN_LANE, k])
         x, y = body[_BODY_FRONT_X, k], body[_BODY_FRONT_Y, k]
         found = seen_body(world, agent, other, unit, lane, x, y)
-        for part in range(_BODY_WIDTH - _BODY_X + 1):
-            body[_BODY_X + part, remaining] = found[part]
+        body[_BODY_X, remaining], body[_BODY_Y, remaining] = found[0], found[1]
+        body[_BODY_COSINE, remaining], body[_BODY_SINE, remaining] = found[2], found[3]
+        body[_BODY_HALF, remaining], body[_BODY_WIDTH, remaining] = found[4], found[5]
         _, _, x, y = ends_behind(world, other, unit, lane, x, y)
         body[_BODY_FRONT_X, remaining], body[_BODY_FRONT_Y, remaining] = x, y
         seen[_SEEN_LANE, remaining] = lane

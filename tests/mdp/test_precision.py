@@ -11,7 +11,7 @@ from hav_env.world.units.parts import arrays_in
 from tests.support.budgets import budget
 from tests.support.comparing import exactly
 
-SWARM = "hav_env:HAVSwarm-v0"
+SWARM, SINGLE = "hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0"
 WORLDS, STEPS = budget(70, 3), budget(120, 8)
 
 
@@ -70,6 +70,19 @@ def test_interfaces_have_the_same_bits():
         assert [exactly(row) for row in first.values()] == [exactly(row) for row in seen[0]]
         first, *_ = agents.step(dict(zip(agents.agents, action[0], strict=True)))
         seen, *_ = vector.step(action)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("others", ["avoid_jack", "ppo_pair", "reserve"])
+def test_policies_drive_other_havs(others):
+    places = []
+    for precision in ("double", "single"):
+        env = gym.make_vec(SINGLE, num_envs=5, num_havs=3, others=others, precision=precision)
+        env.reset(seed=2)
+        for _ in range(budget(50, 4)):
+            env.step(np.tile(np.float32([1.0, 0.1]), (5, 1)))
+        places.append(env.unwrapped._process.batch.worlds.state.x.astype(float))
+    assert places[1] == pytest.approx(places[0], abs=2e-3)
 
 
 def test_every_float_of_a_world_is_single():
