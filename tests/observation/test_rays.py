@@ -78,7 +78,8 @@ def test_only_segments_that_may_lie_along_rays_need_the_longer_formula(kind):
     assert met > 30
 
 
-@pytest.mark.parametrize("rays", [1, 3, 16, 32, pytest.param(128, marks=pytest.mark.exhaustive)])
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("rays", [1, 3, 16, 32, 128])
 def test_rows_are_those_of_every_ray_at_every_segment(rays):
     count = budget(17, 2)
     starts = [[0.0, 0.0, 0.0], [14.0, 11.0, 2.0], [400.0, 0.0, 0.0]]
