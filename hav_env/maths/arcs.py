@@ -4,17 +4,19 @@ They lead to a pose in the start's frame, and drive forward only.
 """
 
 from hav_env.compiled import kernel
+from hav_env.compiled.precision import either
 from hav_env.maths.dubins import INFEASIBLE, LRL, RLR, word_segments
 from hav_env.maths.elementary import atan2, floor, sqrt
 from hav_env.maths.geometry import TURNS_PER_RADIAN, TWO_PI
 
-_ANGLE_ROUNDING = 1e-9  # [rad] an arc that is a whole turn but for this is none at all
+# [rad] an arc that is a whole turn but for this is none at all: in each precision
+_ANGLE_ROUNDING = 1e-9, 2e-5
 
 
 @kernel
 def _wrap_positive(angle):
     """Return the angle [rad] moved by whole turns into [0, 2 pi)."""
-    turned = floor((angle + _ANGLE_ROUNDING) * TURNS_PER_RADIAN)
+    turned = floor((angle + either(angle, *_ANGLE_ROUNDING)) * TURNS_PER_RADIAN)
     return max(angle - TWO_PI * turned, 0.0)
 
 

@@ -14,6 +14,7 @@ In a large swarm, the cells of a grid limit the pairs that are compared for the 
 """
 
 from hav_env.compiled import fixed, kernel, rare_kernel
+from hav_env.compiled.precision import either
 from hav_env.maths.elementary import floor
 from hav_env.world.arrays import (
     BUCKET,
@@ -35,8 +36,8 @@ from hav_env.world.collision import AXLE_ROUNDING, circle_radius, reach, squared
 # share of the longest radius of a world: wider lists hold more candidates, narrower ones are valid
 # for fewer steps
 _MARGIN = 0.1
-# slightly wider, because rounding may separate circles that just touch
-_WIDER = 1.0 + 1e-9
+# slightly wider, because rounding may separate circles that just touch: in each precision
+_WIDER = 1.0 + 1e-9, 1.0 + 1e-6
 
 
 @kernel
@@ -168,7 +169,7 @@ def _list_pair(world, agent, other, lane):
     circle, pair = nearby.circle, nearby.pair[world.first + lane]
     dx = circle[other, CENTER_X, lane] - circle[agent, CENTER_X, lane]
     dy = circle[other, CENTER_Y, lane] - circle[agent, CENTER_Y, lane]
-    limit = (circle[agent, RADIUS, lane] + circle[other, RADIUS, lane]) * _WIDER
+    limit = (circle[agent, RADIUS, lane] + circle[other, RADIUS, lane]) * either(dx, *_WIDER)
     if dx * dx + dy * dy <= limit * limit:
         pair[nearby.num_pairs[lane], LOWER] = agent
         pair[nearby.num_pairs[lane], HIGHER] = other
@@ -205,7 +206,7 @@ def _bucket_of(grid, column, row):
 def _fill_buckets(world, grid, longest, lane):
     # still slightly larger, because rounding may put two HAVs just one cell apart into cells two
     # apart
-    size = 2.0 * longest * _WIDER * _WIDER
+    size = 2.0 * longest * either(longest, *_WIDER) * either(longest, *_WIDER)
     for bucket in range(grid.shape[1]):
         grid[BUCKET, bucket] = -1
     for agent in range(world.state.x.shape[0]):

@@ -6,10 +6,12 @@ import pytest
 
 from hav_env import Batch, SafetyFilter, find_scenario, parallel_env
 from hav_env.mdp.decision_process import DecisionProcess
-from hav_env.world.arrays import REMOVED
+from hav_env.world.arrays import NEVER, OBSTACLE, REMOVED, WHEN
+from hav_env.world.place.segments import NEXT_DUE
 from hav_env.world.units.parts import arrays_in
 from tests.support.budgets import budget
 from tests.support.comparing import exactly
+from tests.support.obstacles import touching_walls
 
 SWARM, SINGLE = "hav_env:HAVSwarm-v0", "hav_env:HAVSingle-v0"
 WORLDS, STEPS = budget(70, 3), budget(120, 8)
@@ -104,6 +106,27 @@ def test_removed_havs_stay_apart():
     assert gone.all(axis=0).any()
     assert np.isfinite(seen.observation).all()
     assert len(np.unique(process.batch.worlds.state.x[:, gone.all(axis=0)])) == 2
+
+
+def test_hits_of_obstacles_are_those_of_a_brute_force_after_many_metres():
+    """Sums of driven distances are so large by then that float32 has only 0.5 m there."""
+    process, _ = begun(
+        budget(40, 2),
+        precision="single",
+        scenario="field-1",
+        vehicle="realistic",
+        guidance="dubins",
+    )
+    worlds, before = process.batch.worlds, np.float32(2.0**22)
+    worlds.place.due[:] += before
+    worlds.place.driven[:, : NEXT_DUE + 1] += before
+    expected = np.full((1, worlds.lanes), NEVER)
+    for step, action in enumerate(actions(worlds.lanes, budget(200, 8), 1), 1):
+        process.step(np.float32([0.2, 1.0]) * action - np.float32([0.8, 0.0]))  # slow
+        new = touching_walls(worlds).any(axis=1) & (expected == NEVER)
+        expected[new] = step
+        assert exactly(worlds.record.first[:, OBSTACLE, WHEN]) == exactly(expected), step
+    assert (expected != NEVER).mean() >= budget(0.2, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ the bound, at any time of the step.
 import math
 
 from hav_env.compiled import fixed, generic, kernel, rare_kernel
+from hav_env.compiled.precision import either
 from hav_env.maths.elementary import sqrt
 from hav_env.maths.geometry import clip, into_frame
 from hav_env.maths.rectangles import rectangle_gap
@@ -40,8 +41,10 @@ from hav_env.world.rectangle_bodies import body_of, margin_of
 from hav_env.world.task import records
 from hav_env.world.units.joints import unit_spans
 
-_ROUNDING = 1e-6  # [m], more than the rounding error of gaps at the largest coordinates
-_OF_SUM = 1e-12  # share of the driven distance: its accumulated rounding error
+# in each precision: more than the rounding error of gaps at the largest coordinates [m], and more
+# than that of a sum of a few numbers as a share of it
+_ROUNDING = 1e-6, 1e-3
+_OF_SUM = 1e-15, 1e-6
 _FAR = 0.5  # share of the reach: from this distance on, the distance to the truck suffices
 
 
@@ -168,7 +171,9 @@ def _add_most_of_all(place, world, agent):
             moved[MOST_TURNED, lane] = max(moved[MOST_TURNED, lane], dx * dx + dy * dy)
     for lane in range(world.lanes):
         swing = place.driven[agent, BODY_MARGIN, lane] * sqrt(moved[MOST_TURNED, lane])
-        place.driven[agent, MOST_MOVED, lane] += sqrt(moved[FARTHEST, lane]) + swing
+        driven = place.driven[agent, MOST_MOVED, lane] + sqrt(moved[FARTHEST, lane]) + swing
+        # rounded up, so that rounding errors of many steps do not add up
+        place.driven[agent, MOST_MOVED, lane] = driven + either(driven, *_OF_SUM) * driven
 
 
 @kernel
@@ -214,7 +219,8 @@ def _test_segments(place, task, world, agent, lane):
             passed = task.continuous_collisions and passes_segment(world, agent, segment, lane)
             if (gap <= 0.0 or passed) and begun:
                 return number
-            due[number] = driven + max(gap, 0.0) - (_ROUNDING + _OF_SUM * driven)
+            safe = driven + max(gap, 0.0) - either(driven, *_ROUNDING)
+            due[number] = safe - either(driven, *_OF_SUM) * abs(safe)
         least = min(least, due[number])
     place.driven[agent, NEXT_DUE, lane] = least
     return NEVER
