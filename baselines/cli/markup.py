@@ -15,9 +15,17 @@ _MARKUP = re.compile(r"[\\`|<&~$]|(?<=\S)\*|\*(?=\S)|(?<!\w)_|_(?!\w)|\](?=[(\[:
 
 def markdown(rows: list[list[str]]) -> str:
     """Return rows as a table in Markdown; the first row is the head."""
-    lines = ["| " + " | ".join(map(_escape_cell, row)) + " |" for row in rows]
-    lines.insert(1, "|" + "|".join(["---"] + ["--:"] * (len(rows[0]) - 1)) + "|")
-    return "\n".join(lines) + "\n"
+    return "\n".join([markdown_head(rows[0]), *map(markdown_row, rows[1:])]) + "\n"
+
+
+def markdown_head(row: list[str]) -> str:
+    """Return the two lines that begin a table in Markdown."""
+    return f"{markdown_row(row)}\n|{'|'.join(['---'] + ['--:'] * (len(row) - 1))}|"
+
+
+def markdown_row(row: list[str]) -> str:
+    """Return the line of one row of a table in Markdown."""
+    return "| " + " | ".join(map(_escape_cell, row)) + " |"
 
 
 def _escape_cell(text: str) -> str:

@@ -2,17 +2,18 @@
 
 HAVs of every scenario with a name get random commands, or drive at one another at full speed, with
 and without the filter. On the plane, collisions between steps count; real vehicles at real places
-are compared with each other at steps. All take more than 17 minutes; ``--scenarios`` selects some.
+are compared with each other at steps. Each row is printed as soon as it is known.
 """
 
 import dataclasses
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from baselines.cli.bounds import check_whole
-from baselines.cli.markup import markdown
+from baselines.cli.markup import markdown_head, markdown_row
 from hav_env import OffAxle, OnAxle, Rectangles, Task, find_scenario
 from hav_env.cli.options import run_command
 from hav_env.mdp.decision_process import DecisionProcess
@@ -73,15 +74,69 @@ COMMANDERS: dict[str, tuple[Callable[..., np.ndarray], int]] = {
 }
 
 
+class Trial(NamedTuple):
+    """One scenario with one kind of commands, with the filter or without it."""
+
+    scenario: str
+    commands: str
+    filtered: bool
+    havs: int
+    moves: int  # HAV-steps
+    jackknifed: int  # HAVs
+    collided: int  # HAVs
+    hit: int | None  # HAVs that hit an obstacle; None on the plane
+    changed: int | None  # HAV-steps in which the filter changed the command
+
+    @property
+    def harmed(self) -> int:
+        """Number of events."""
+        return self.jackknifed + self.collided + (self.hit or 0)
+
+
+_HEAD = [
+    "scenario",
+    "commands",
+    "filter",
+    "HAVs",
+    "HAV-steps",
+    "jackknifed",
+    "collided",
+    "hit an obstacle",
+    "changed",
+]
+
+
 def main(words: list[str] | None = None) -> int:
     """Run the trials, report an error in one line, and return the exit code."""
     usage = "python -m baselines.experiments.filter_trials"
     about = "Command HAVs at random and at one another, with the safety filter and without it."
-    return run_command(usage, about, TrialOptions(), try_all, words, "nothing is stored")
+    return run_command(usage, about, TrialOptions(), _print_all, words, "rows above stay valid")
 
 
-def try_all(options: TrialOptions) -> str:
-    """Run all trials; return their table in Markdown.
+def _print_all(options: TrialOptions) -> str:
+    """Print the table in Markdown, each row when it is known; return its summary."""
+    harmed = havs = 0
+    for number, trial in enumerate(try_all(options)):
+        if number == 0:
+            print(markdown_head(_HEAD), flush=True)
+        print(markdown_row(_cells(trial)), flush=True)
+        harmed += trial.harmed if trial.filtered else 0
+        havs += trial.havs if trial.filtered else 0
+    return f"\n{harmed:,} events of {havs:,} HAVs with the filter"
+
+
+def _cells(trial: Trial) -> list[str]:
+    changed = "" if trial.changed is None else f"{100.0 * trial.changed / trial.moves:.2f} %"
+    counts = trial.havs, trial.moves, trial.jackknifed, trial.collided, trial.hit
+    return [
+        *(trial.scenario, trial.commands, "both" if trial.filtered else "none"),
+        *("" if count is None else f"{count:,}" for count in counts),
+        changed,
+    ]
+
+
+def try_all(options: TrialOptions) -> Iterator[Trial]:
+    """Run all trials; yield each when it ends.
 
     Raises:
         ValueError: If an option is out of range.
@@ -91,29 +146,13 @@ def try_all(options: TrialOptions) -> str:
     for scenario in options.scenarios:
         if scenario not in NAMED:
             raise ValueError(f"there is no scenario {scenario!r}{suggest(scenario, NAMED)}")
-    head = [
-        "scenario",
-        "commands",
-        "filter",
-        "HAVs",
-        "HAV-steps",
-        "jackknifed",
-        "collided",
-        "hit an obstacle",
-        "changed",
-    ]
-    rows = [head]
     for scenario in options.scenarios:
         for name in COMMANDERS:
-            for safety in (None, "both"):
-                rows.append(
-                    [scenario, name, safety or "none", *_try(options, scenario, name, safety)]
-                )
-    return markdown(rows)
+            for filtered in (False, True):
+                yield _try(options, scenario, name, filtered)
 
 
-def _try(options: TrialOptions, scenario: str, name: str, safety: str | None) -> list[str]:
-    """Run one trial; return its cells from the number of HAVs on."""
+def _try(options: TrialOptions, scenario: str, name: str, filtered: bool) -> Trial:
     at_place = scenario not in SCENARIOS
     task = Task(max_steps=options.steps, continuous_collisions=not at_place)
     num_havs = find_scenario(scenario).num_havs
@@ -123,7 +162,7 @@ def _try(options: TrialOptions, scenario: str, name: str, safety: str | None) ->
         scenario=scenario,
         task=task,
         vehicle=_REAL if at_place else OnAxle(),
-        safety=safety,
+        safety="both" if filtered else None,
         threads=options.threads,
     )
     outcome, everywhere = process.outcome(), np.ones(worlds, np.bool_)
@@ -137,15 +176,14 @@ def _try(options: TrialOptions, scenario: str, name: str, safety: str | None) ->
     info = dict(zip(process.info, outcome.info, strict=True))
     # no command causes contacts of HAVs at their start poses
     collided = process.batch.worlds.record.first[:, ACTUAL, WHEN] > 0
-    moves = worlds * num_havs * options.steps
-    changed = f"{100.0 * info['interventions'].sum() / moves:.2f} %" if safety else ""
-    counts = f"{worlds * num_havs:,}", f"{moves:,}"
-    return [
-        *counts,
-        *(f"{int(found.sum()):,}" for found in (info["jackknifed"], collided)),
-        f"{int(info['obstacle_collision'].sum()):,}" if at_place else "",
-        changed,
-    ]
+    havs = worlds * num_havs
+    return Trial(
+        *(scenario, name, filtered, havs, havs * options.steps),
+        jackknifed=int(info["jackknifed"].sum()),
+        collided=int(collided.sum()),
+        hit=int(info["obstacle_collision"].sum()) if at_place else None,
+        changed=int(info["interventions"].sum()) if filtered else None,
+    )
 
 
 if __name__ == "__main__":

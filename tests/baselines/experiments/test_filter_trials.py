@@ -2,29 +2,32 @@
 
 import pytest
 
-from baselines.experiments.filter_trials import TrialOptions, main, try_all
+from baselines.experiments import filter_trials
+from baselines.experiments.filter_trials import Trial, TrialOptions, main, try_all
 from tests.support.budgets import budget
-
-
-def rows_of(text):
-    """Return the rows of a Markdown table as dictionaries."""
-    head, _, *rows = [
-        [cell.strip() for cell in line.split("|")[1:-1]] for line in text.split("\n") if line
-    ]
-    return [dict(zip(head, row, strict=True)) for row in rows]
 
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("scenario", ["paper-pair", "docks-6"])
 def test_only_havs_without_the_filter_come_to_harm(scenario):
     options = TrialOptions((scenario,), budget(120, 12), 120, threads=1)
-    rows = rows_of(try_all(options))
-    assert [row["filter"] for row in rows] == ["none", "both"] * 2
-    events = [name for name in ("jackknifed", "collided", "hit an obstacle") if rows[0][name]]
-    harmed = [sum(int(row[event]) for event in events) for row in rows]
-    assert harmed[1] == harmed[3] == 0
-    assert harmed[0] + harmed[2] > 0
-    assert any(float(row["changed"].removesuffix(" %")) > 0.0 for row in rows[1::2])
+    trials = list(try_all(options))
+    assert [trial.filtered for trial in trials] == [False, True] * 2
+    assert trials[1].harmed == trials[3].harmed == 0
+    assert trials[0].harmed + trials[2].harmed > 0
+    assert any(trial.changed > 0 for trial in trials[1::2])
+
+
+def test_rows_are_printed_when_they_are_known(monkeypatch, capsys):
+    def interrupted(options):
+        yield Trial("paper-pair", "at random", True, 2, 20, 0, 1, None, 5)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(filter_trials, "try_all", interrupted)
+    assert main([]) == 130
+    printed = capsys.readouterr()
+    assert "| paper-pair | at random | both | 2 | 20 | 0 | 1 |  | 25.00 % |" in printed.out
+    assert "rows above stay valid" in printed.err
 
 
 @pytest.mark.parametrize(
