@@ -8,11 +8,13 @@ import pytest
 
 import hav_env
 from benchmarks.environments import as_json
-from benchmarks.interfaces.aims import find_aims
+from benchmarks.interfaces.aims import FAST, find_aims
 from benchmarks.interfaces.clocks import clocked, spread_ends
 from benchmarks.interfaces.empty import EmptyParallelEnv, make_empty
 from benchmarks.interfaces.faces import (
+    ENDS,
     HAVS,
+    IN_SINGLE,
     PARALLEL,
     PARALLEL_EMPTY,
     PARALLEL_SHORT,
@@ -24,6 +26,8 @@ from benchmarks.interfaces.faces import (
 )
 from benchmarks.interfaces.fresh_process import import_hav_env
 from benchmarks.interfaces.peers import MPE_SPREAD, NAVIGATION, Peer
+
+FASTEST = SWARM + ENDS + IN_SINGLE
 
 
 def kinds(value):
@@ -84,6 +88,7 @@ def made_up_rates():
     """Return rates of all that the aims need, but for the peers."""
     rates = {Vector(SWARM, 1_024, 2): 6e6, Vector(SWARM, 4_096, 2): 8e6, Vector(SWARM, 64, 1): 9e6}
     rates |= {Vector(SWARM, 1_024, 2, SHORT): 4e6, Vector(SWARM, 4_096, 1): 9e6}
+    rates |= {Vector(FASTEST, 4_096, 2): 16e6, Vector(FASTEST, 1_024, 2, SHORT): 12e6}
     rates |= {PARALLEL: 50.0, PARALLEL_SHORT: 40.0, PARALLEL_EMPTY: 200.0}
     return rates | {name(env): 50.0 for name in (made, empty) for env in HAVS}
 
@@ -95,6 +100,10 @@ def test_the_best_batches_are_compared():
     assert found["vector"].reached
     assert found[f"vector : {NAVIGATION}"][4:6] == (4.0, 2.0)
     assert found[f"vector : {NAVIGATION}"].reached is False
+    assert found[FAST].reached
+    assert found[f"{FAST} : {NAVIGATION}"][4:6] == (8.0, 6.0)
+    assert found[f"{FAST}, short episodes : long"][4] == 0.75
+    assert found["vector, short episodes : long"].reached is False
     assert found[f"PettingZoo : {MPE_SPREAD}"][4:6] == (10.0, 8.0)
     assert found["PettingZoo : empty"].reached is False
     assert found["import hav_env"].reached
@@ -104,11 +113,11 @@ def test_what_has_no_peer_is_not_judged_and_the_rest_is_written():
     rates = made_up_rates()
     found = find_aims(rates, 2.0)
     assert [aim.reached for aim in found if MPE_SPREAD in aim.what or "VMAS" in aim.what] == [
-        *(None, None, None, None)
+        *(None,) * 6
     ]
     assert found[-1].reached is False
     written = json.loads(json.dumps(as_json(rates, 2.0, [], found)))
-    assert len(written["vector"]) == 5
+    assert len(written["vector"]) == 7
     assert written["aims"][0]["reached"] is True
 
 
