@@ -8,6 +8,8 @@ point.
 from hav_env.compiled import kernel
 from hav_env.maths.geometry import clip, into_frame
 
+_ROUNDING = 0.01  # [m], more than the rounding error of distances in either precision
+
 
 @kernel
 def _gap_beside(dx, dy, cosine, sine, length, width, turn_cosine, turn_sine, other):
@@ -54,6 +56,26 @@ def rectangle_gap(one, other):
             *(dx, dy, other_cosine, other_sine, other_length, other_width), *turn, (length, width)
         ),
     )
+
+
+@kernel
+def rectangle_box(rectangle):
+    """Return the box round a rectangle: least x, greatest x, likewise y [m]."""
+    x, y, cosine, sine, length, width = rectangle
+    across = abs(cosine) * length + abs(sine) * width
+    up = abs(sine) * length + abs(cosine) * width
+    return x - across, x + across, y - up, y + up
+
+
+@kernel
+def may_overlap(one, other):
+    """Return whether two rectangles are so near that they may share a point, up to rounding.
+
+    The sum of half the length and half the width is at least half the diagonal.
+    """
+    dx, dy = other[0] - one[0], other[1] - one[1]
+    limit = one[4] + one[5] + other[4] + other[5] + _ROUNDING
+    return dx * dx + dy * dy <= limit * limit
 
 
 @kernel

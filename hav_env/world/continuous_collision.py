@@ -9,7 +9,7 @@ import math
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sqrt
 from hav_env.maths.geometry import segments_intersect
-from hav_env.world.bodies import find_box
+from hav_env.world.bodies import box_at, widened
 from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.collision import AXLE_ROUNDING, reach, squared_distance, within
 
@@ -108,12 +108,15 @@ def may_meet(world, agent, other, lane):
 
 @kernel
 def box_of_way(world, agent, lane):
-    """Return the box round the chain of a HAV and the positions of its axles before the step."""
-    left, right, low, high = find_box(world.fleet.bodies, world, agent, lane)
+    """Return the box round the chain of a HAV and the positions of its axles before the step.
+
+    ``enclose`` has found the box of the chain.
+    """
+    box = box_at(world, agent, lane)
     for axle in range(world.fleet.num_trailers[agent, lane] + 2):
         x, y = _was(world, agent, axle, lane)
-        left, right, low, high = min(left, x), max(right, x), min(low, y), max(high, y)
-    return left, right, low, high
+        box = widened(box, (x, x, y, y))
+    return box
 
 
 @rare_kernel

@@ -18,14 +18,16 @@ from hav_env.world.arrays import (
     STEP,
     WHEN,
     WHERE,
-    as_place,
 )
-from hav_env.world.bodies import bodies_meet, boxes_overlap, find_box
+from hav_env.world.bodies import bodies_meet, box_at, boxes_overlap, enclose, enclose_in
 from hav_env.world.collision import potential_collision
 from hav_env.world.continuous_collision import box_of_way, collision_between, may_meet
-from hav_env.world.neighborhood import in_range, may_touch
+from hav_env.world.neighborhood import as_place, in_range, may_touch
 from hav_env.world.task import records
 from hav_env.world.units.joints import joint_limit
+
+# boxes of all HAVs are found in lanes if there are as many close pairs as HAVs over this number
+_SEVERAL = 4
 
 
 @kernel
@@ -103,35 +105,88 @@ def record_collisions(task, world):
     Returns:
         Number of pairs of HAVs that collided for the first time.
     """
-    num_havs, news = world.state.x.shape[0], 0
-    if num_havs > HANDFUL:
-        return _record_candidates(task, world)
+    num_havs = world.state.x.shape[0]
+    few = num_havs <= HANDFUL
+    close = _mark_close_pairs(task, world) if few else _count_candidates(world)
+    if close == 0:
+        return 0
+    enclosed = _SEVERAL * close >= num_havs * world.lanes
+    if enclosed:
+        for agent in range(num_havs):
+            enclose(world, fixed(agent))
+    if few:
+        return _record_marked_pairs(task, world, enclosed)
+    return _record_candidates(task, world, enclosed)
+
+
+@kernel
+def _mark_close_pairs(task, world):
+    """Find the pairs that may touch in small worlds: a bit for each pair, in every lane.
+
+    Returns:
+        Number of such pairs in all lanes: none in most steps, as lane loops find out.
+    """
+    num_havs, marks, found = world.state.x.shape[0], world.nearby.num_pairs, 0
+    for lane in range(world.lanes):
+        marks[lane] = 0
     for number in range(num_havs):
         for second in range(number + 1, num_havs):
-            news += _record_in_lanes(task, world, fixed(number), fixed(second))
+            agent, other, bit = fixed(number), fixed(second), bit_of(world, number, second)
+            for lane in range(world.lanes):
+                near = 1 if may_touch(task, world, agent, other, lane) else 0
+                marks[lane] += bit * near
+                found += near
+    return found
+
+
+@kernel
+def bit_of(world, agent, other):
+    """Return the bit of a pair of HAVs in the marks of a small world."""
+    return 1 << (agent * world.state.x.shape[0] + other)
+
+
+@kernel
+def _record_marked_pairs(task, world, enclosed):
+    """Record the collisions of marked pairs in small worlds; see ``record_collisions``."""
+    num_havs, marks, news = world.state.x.shape[0], world.nearby.num_pairs, 0
+    for number in range(num_havs):
+        for second in range(number + 1, num_havs):
+            agent, other, bit = fixed(number), fixed(second), bit_of(world, number, second)
+            if enclosed:
+                for lane in range(world.lanes):
+                    due = _may_be_news(task, world, agent, other, lane)
+                    marks[lane] &= -1 if due else ~bit
+            for lane in range(world.lanes):
+                if marks[lane] & bit and records(task, world.state.clock[STEP, lane]):
+                    news += _record_pair(task, world, number, second, lane, enclosed)
     return news
 
 
 @kernel
-def _record_in_lanes(task, world, agent, other):
-    """Record the collisions of two HAVs in all lanes; see ``record_collisions``.
-
-    Most lanes have nothing to record; one lane loop finds that out.
-    """
-    close, possible, news = world.nearby.num_pairs, 0, 0
-    for lane in range(world.lanes):
-        close[lane] = 1 if may_touch(task, world, agent, other, lane) else 0
-        possible += close[lane]
-    if possible == 0:
-        return 0
-    for lane in range(world.lanes):
-        if close[lane] and records(task, world.state.clock[STEP, lane]):
-            news += _record_pair(task, world, agent, other, lane)
-    return news
+def _may_be_news(task, world, agent, other, lane):
+    """Return whether two HAVs whose boxes are known may have collided for the first time."""
+    first = world.record.first
+    potential = _is_new(first, POTENTIAL, agent, other, lane) & (
+        potential_collision(task, world, agent, other, lane)
+    )
+    overlap = boxes_overlap(box_at(world, agent, lane), box_at(world, other, lane))
+    overlap = overlap | (task.continuous_collisions != 0)
+    return potential | (_is_new(first, ACTUAL, agent, other, lane) & overlap)
 
 
 @kernel
-def _record_candidates(task, world):
+def _count_candidates(world):
+    """Return the number of pairs on the lists of candidates that may touch, in all lanes."""
+    found = 0
+    for lane in range(world.lanes):
+        pair = world.nearby.pair[world.first + lane]
+        for place in range(world.nearby.num_pairs[lane]):
+            found += pair[place, CLOSE]
+    return found
+
+
+@kernel
+def _record_candidates(task, world, enclosed):
     """Record the collisions of the pairs on the lists of candidates; see ``record_collisions``."""
     news = 0
     for lane in range(world.lanes):
@@ -140,23 +195,32 @@ def _record_candidates(task, world):
         pair = world.nearby.pair[world.first + lane]
         for place in range(world.nearby.num_pairs[lane]):
             agent, other = as_place(pair[place, LOWER]), as_place(pair[place, HIGHER])
-            if pair[place, CLOSE]:
-                news += _record_pair(task, world, agent, other, lane)
+            if pair[place, CLOSE] and (
+                not enclosed or _may_be_news(task, world, agent, other, lane)
+            ):
+                news += _record_pair(task, world, agent, other, lane, enclosed)
     return news
 
 
 @rare_kernel
-def _record_pair(task, world, agent, other, lane):
-    """Record the new potential and actual collisions of two HAVs; return their number."""
+def _record_pair(task, world, agent, other, lane, enclosed):
+    """Record the new potential and actual collisions of two HAVs; return their number.
+
+    ``enclosed`` says whether their boxes are known.
+    """
     first, news = world.record.first, 0
     if _is_new(first, POTENTIAL, agent, other, lane) and (
         potential_collision(task, world, agent, other, lane)
     ):
         _record_both(world, POTENTIAL, agent, other, lane)
         news += 1
-    if _is_new(first, ACTUAL, agent, other, lane) and _collided(task, world, agent, other, lane):
-        _record_both(world, ACTUAL, agent, other, lane)
-        news += 1
+    if _is_new(first, ACTUAL, agent, other, lane):
+        if not enclosed:
+            enclose_in(world, agent, lane)
+            enclose_in(world, other, lane)
+        if _collided(task, world, agent, other, lane):
+            _record_both(world, ACTUAL, agent, other, lane)
+            news += 1
     return news
 
 
@@ -171,9 +235,9 @@ def _collided(task, world, agent, other, lane):
             and boxes_overlap(box_of_way(world, agent, lane), box_of_way(world, other, lane))
             and collision_between(world, agent, other, lane)
         )
-    return boxes_overlap(
-        find_box(bodies, world, agent, lane), find_box(bodies, world, other, lane)
-    ) and bodies_meet(bodies, world, agent, other, lane)
+    return boxes_overlap(box_at(world, agent, lane), box_at(world, other, lane)) and bodies_meet(
+        bodies, world, agent, other, lane
+    )
 
 
 @kernel

@@ -52,6 +52,8 @@ def block_of(worlds, first, lanes, units):
             nearby.pair,
             nearby.grid,
             lanes_from(nearby.were, first),
+            lanes_from(nearby.box, first),
+            lanes_from(nearby.front, first),
         ),
         Record(
             lanes_from(record.first, first),
@@ -249,7 +251,9 @@ def view_of(worlds: World, w: int) -> World:
         view(worlds.state),
         view(worlds.fleet),
         worlds.goals[..., w],
-        Nearby(nearby.count[..., w], *of_world, nearby.grid[w], nearby.were[..., w]),
+        Nearby(
+            nearby.count[..., w], *of_world, nearby.grid[w], *(part[..., w] for part in nearby[-3:])
+        ),
         view(worlds.record),
         _view_of_place(worlds.place, w),
         _view_of_guidance(worlds.guidance, w),

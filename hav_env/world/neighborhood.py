@@ -29,7 +29,6 @@ from hav_env.world.arrays import (
     NEXT,
     RADIUS,
     ROW,
-    as_place,
 )
 from hav_env.world.collision import AXLE_ROUNDING, circle_radius, reach, squared_distance, within
 
@@ -38,6 +37,12 @@ from hav_env.world.collision import AXLE_ROUNDING, circle_radius, reach, squared
 _MARGIN = 0.1
 # slightly wider, because rounding may separate circles that just touch: in each precision
 _WIDER = 1.0 + 1e-9, 1.0 + 1e-6
+
+
+@kernel
+def as_place(number):
+    """Return a HAV's 16-bit number as an array index, whose sign compiled code need not test."""
+    return int(number & 0x7FFF)
 
 
 @kernel

@@ -6,8 +6,21 @@ A line is a rectangle without width (``body_of``).
 import math
 
 from hav_env.compiled import generic, kernel, rare_kernel
-from hav_env.maths.rectangles import nearest_on_rectangle, rectangle_gap
-from hav_env.world.bodies import bodies_meet, find_box, front_end, nearest_on_bodies, reach_of
+from hav_env.maths.rectangles import (
+    may_overlap,
+    nearest_on_rectangle,
+    rectangle_box,
+    rectangle_gap,
+)
+from hav_env.world.bodies import (
+    bodies_meet,
+    boxes_overlap,
+    find_box,
+    front_end,
+    nearest_on_bodies,
+    reach_of,
+    unit_box,
+)
 from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.units.joints import unit_spans
 from hav_env.world.units.parts import FRONT, HALF_WIDTH, REAR, Lines, Outlines
@@ -29,19 +42,9 @@ def rectangle_of(bodies, world, agent, unit, lane, x, y):
     return x + middle * cosine, y + middle * sine, cosine, sine, half, width
 
 
-@find_box.register(Outlines)
-def _box_of_rectangles(bodies, world, agent, lane):
-    front_x, front_y = front_axle(world, agent, lane)
-    left, right, low, high = math.inf, -math.inf, math.inf, -math.inf
-    for unit in range(world.fleet.num_trailers[agent, lane] + 1):
-        x, y, cosine, sine, half, width = rectangle_of(
-            bodies, world, agent, unit, lane, front_x, front_y
-        )
-        across, up = abs(cosine) * half + abs(sine) * width, abs(sine) * half + abs(cosine) * width
-        left, right = min(left, x - across), max(right, x + across)
-        low, high = min(low, y - up), max(high, y + up)
-        _, _, front_x, front_y = ends_behind(world, agent, unit, lane, front_x, front_y)
-    return left, right, low, high
+@unit_box.register(Outlines)
+def _box_of_rectangle(bodies, world, agent, unit, lane, x, y):
+    return rectangle_box(rectangle_of(bodies, world, agent, unit, lane, x, y))
 
 
 @bodies_meet.register(Outlines)
@@ -52,14 +55,25 @@ def _rectangles_meet(bodies, world, agent, other, lane):
 @rare_kernel
 def _any_rectangles_meet(bodies, world, agent, other, lane):
     x, y = front_axle(world, agent, lane)
+    box = find_box(bodies, world, other, lane)
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
         own = rectangle_of(bodies, world, agent, unit, lane, x, y)
-        to_x, to_y = front_axle(world, other, lane)
-        for to in range(world.fleet.num_trailers[other, lane] + 1):
-            if rectangle_gap(own, rectangle_of(bodies, world, other, to, lane, to_x, to_y)) <= 0.0:
-                return True
-            _, _, to_x, to_y = ends_behind(world, other, to, lane, to_x, to_y)
+        near = boxes_overlap(rectangle_box(own), box)
+        if near and _meets_any_of(bodies, world, own, other, lane):
+            return True
         _, _, x, y = ends_behind(world, agent, unit, lane, x, y)
+    return False
+
+
+@kernel
+def _meets_any_of(bodies, world, rectangle, other, lane):
+    """Return whether a rectangle has a point in common with the bodies of a HAV."""
+    x, y = front_axle(world, other, lane)
+    for unit in range(world.fleet.num_trailers[other, lane] + 1):
+        body = rectangle_of(bodies, world, other, unit, lane, x, y)
+        if may_overlap(rectangle, body) and rectangle_gap(rectangle, body) <= 0.0:
+            return True
+        _, _, x, y = ends_behind(world, other, unit, lane, x, y)
     return False
 
 

@@ -26,12 +26,12 @@ from hav_env.world.arrays import (
     World,
     X,
     Y,
-    as_place,
     into_truck_frame,
     truck_distance,
 )
 from hav_env.world.bodies import front_end, nearest_on_bodies
 from hav_env.world.collision import front_gap, offset_between
+from hav_env.world.neighborhood import as_place
 from hav_env.world.obstacles.nearest import num_obstacles, obstacle_point  # noqa: F401  sensed too
 from hav_env.world.obstacles.rays import ray  # noqa: F401  likewise
 from hav_env.world.other_havs import direction_of, place_of

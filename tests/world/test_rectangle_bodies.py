@@ -8,7 +8,9 @@ from hav_env import OffAxle, Rectangles
 from hav_env.world.arrays import derive_radii
 from hav_env.world.bodies import (
     bodies_meet,
+    box_at,
     boxes_overlap,
+    enclose,
     find_box,
     front_end,
     nearest_on_bodies,
@@ -72,9 +74,10 @@ def test_they_collide_exactly_when_shapely_says_so(pairs):
         for w in range(len(shapes))
     ]
     assert not (expected & ~np.array(near)).any()
+    enclose(worlds, 0)
     for w in range(len(shapes)):
-        left, right, low, high = find_box(bodies, worlds, 0, w)
-        np.testing.assert_allclose((left, low, right, high), shapes[w, 0].bounds, atol=1e-9)
+        for left, right, low, high in (find_box(bodies, worlds, 0, w), box_at(worlds, 0, w)):
+            np.testing.assert_allclose((left, low, right, high), shapes[w, 0].bounds, atol=1e-9)
 
 
 def test_nearest_points_gaps_and_reaches_are_shapelys(pairs):
@@ -125,3 +128,5 @@ def test_without_width_and_overhangs_they_are_the_lines():
         assert gaps[0] == pytest.approx(gaps[1], abs=1e-9)
     boxes = [[find_box(bodies, them, 0, w) for w in range(100)] for bodies, them in kinds]
     np.testing.assert_allclose(*boxes, atol=1e-9)
+    enclose(lines, 0)
+    np.testing.assert_allclose([box_at(lines, 0, w) for w in range(100)], boxes[1], atol=1e-9)
