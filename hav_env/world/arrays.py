@@ -40,6 +40,7 @@ class State(NamedTuple):
 
 
 AHEAD_SPEED, AHEAD_COSINE, AHEAD_SINE = range(3)
+FRONT_X, FRONT_Y = range(2)  # likewise, of the front end of the unit at hand [m], for boxes
 # of a goal: pose [m, m, rad], its direction; its distance [m]; its index among the HAV's goals
 X, Y, HEADING, COSINE, SINE, DISTANCE, PHASE = range(7)
 STEP, SEED, EPISODE = range(3)  # steps done; the key of the episode
@@ -77,13 +78,13 @@ class Nearby(NamedTuple):
 
     count: Array  # (N, W)
     index: Array  # (W, N, N - 1) int16, in ascending order
-    circle: Array  # (N, 3, W) columns CENTER_X .. RADIUS [m]: in them HAVs leave the list valid
-    num_pairs: Array  # (W,) on the list; in small worlds a bit for each pair that may touch
+    circle: Array  # (N, 3, W) columns CENTER_X .. RADIUS [m]: in them HAVs leave the list valid;
+    # empty in small worlds
+    num_pairs: Array  # (W,) on the list; in small worlds scratch: a bit for each pair, then 0
     pair: Array  # (W, N (N - 1) / 2, 3) int16: the list in ascending order, columns LOWER .. CLOSE
     grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; empty in small swarms
     were: Array  # (N, 2 + 2 U, W) x and y of the axles before the step; empty if not needed
     box: Array  # (N, 4, W) columns BOX_LEFT .. BOX_HIGH [m]: round HAVs that may touch others
-    front: Array  # (2, W) scratch: x and y of the front end of the unit at hand [m]
 
 
 BOX_LEFT, BOX_RIGHT, BOX_LOW, BOX_HIGH = range(4)
@@ -191,11 +192,12 @@ def allocate_worlds(
         ),
         real(n, g, 3),
         Nearby(
-            *(whole(n), zeros((w, n, n - 1), np.int16), real(n, 3), whole()),
+            *(whole(n), zeros((w, n, n - 1), np.int16)),
+            *(real(n if n > HANDFUL else 0, 3), whole()),
             zeros((w, num_pairs, 3), np.int16),
             zeros((w, 4, buckets if n > FEW else 0), np.int64),
             real(n, 2 + 2 * u if continuous else 0),
-            *(real(n if n > 1 else 0, 4), real(2)),
+            real(n if n > 1 else 0, 4),
         ),
         Record(whole(n, events, 2), real(n, 5), real(n, g, 6), real(n, g, 2, 3 + u - 1)),
         allocate_place(num_segments, (n, u, w), zeros),

@@ -8,7 +8,7 @@ import math
 
 from hav_env.compiled import fixed, generic, kernel, rare_kernel
 from hav_env.maths.geometry import nearest_on_segment, segments_intersect
-from hav_env.world.arrays import BOX_HIGH, BOX_LEFT, BOX_LOW, BOX_RIGHT, FOOTPRINT
+from hav_env.world.arrays import BOX_HIGH, BOX_LEFT, BOX_LOW, BOX_RIGHT, FOOTPRINT, FRONT_X, FRONT_Y
 from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.units.joints import unit_spans
 from hav_env.world.units.parts import Lines
@@ -57,19 +57,19 @@ def find_box(bodies, world, agent, lane):
 @kernel
 def enclose(world, agent):
     """Find the boxes of a HAV in every lane of a block, for ``box_at``."""
-    front = world.nearby.front
+    front = world.state.ahead
     for lane in range(world.lanes):
         x, y = front_axle(world, agent, lane)
-        front[0, lane], front[1, lane] = x, y
+        front[FRONT_X, lane], front[FRONT_Y, lane] = x, y
         _put_box(world, agent, lane, (x, x, y, y))
     for number in range(world.units):
         unit = fixed(number)
         for lane in range(world.lanes):
-            x, y = front[0, lane], front[1, lane]
+            x, y = front[FRONT_X, lane], front[FRONT_Y, lane]
             of_unit = unit_box(world.fleet.bodies, world, agent, unit, lane, x, y)
             _put_box(world, agent, lane, widened(box_at(world, agent, lane), of_unit))
             _, _, x, y = ends_behind(world, agent, unit, lane, x, y)
-            front[0, lane], front[1, lane] = x, y
+            front[FRONT_X, lane], front[FRONT_Y, lane] = x, y
 
 
 @kernel

@@ -159,6 +159,8 @@ def _record_marked_pairs(task, world, enclosed):
             for lane in range(world.lanes):
                 if marks[lane] & bit and records(task, world.state.clock[STEP, lane]):
                     news += _record_pair(task, world, number, second, lane, enclosed)
+    for lane in range(world.lanes):
+        marks[lane] = 0
     return news
 
 

@@ -53,7 +53,6 @@ def block_of(worlds, first, lanes, units):
             nearby.grid,
             lanes_from(nearby.were, first),
             lanes_from(nearby.box, first),
-            lanes_from(nearby.front, first),
         ),
         Record(
             lanes_from(record.first, first),
@@ -252,7 +251,7 @@ def view_of(worlds: World, w: int) -> World:
         view(worlds.fleet),
         worlds.goals[..., w],
         Nearby(
-            nearby.count[..., w], *of_world, nearby.grid[w], *(part[..., w] for part in nearby[-3:])
+            nearby.count[..., w], *of_world, nearby.grid[w], *(part[..., w] for part in nearby[-2:])
         ),
         view(worlds.record),
         _view_of_place(worlds.place, w),

@@ -16,6 +16,7 @@ SCRATCH = {
     "worlds.nearby.circle",  # a list of candidates holds for any HAVs in its circles
     "worlds.nearby.num_pairs",
     "worlds.nearby.pair",
+    "worlds.nearby.box",
     "buffers.command",
     "buffers.before",
 }
