@@ -9,7 +9,7 @@ import gymnasium as gym
 import numpy as np
 
 from hav_env.envs.screen import ENV_RENDER_MODES, RENDER_FPS
-from hav_env.envs.single_world import OfOneWorld, Sight, SingleWorld
+from hav_env.envs.single_world import OfOneWorld, SingleWorld
 from hav_env.envs.views import EgoView, JointView, Team
 from hav_env.mdp.actions import list_action
 from hav_env.mdp.decision_process import Settings
@@ -41,11 +41,11 @@ class _WorldEnv(OfOneWorld, gym.Env):
         """
         plan = self._world.plan(seed, options, self.np_random)
         super().reset(seed=None if seed is None else int(seed))
-        seen = self._world.begin(plan)
+        self._world.begin(plan)
         self._over = self._warned = False
         self._show()
-        info = self._info(seen) if self._world.process.always else {}
-        return self._view.observation(seen.observation), info
+        info = self._info() if self._world.process.always else {}
+        return self._view.observation(self._world.sight.observation), info
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Take an action. After the end of an episode the simulation continues, with one warning.
@@ -60,7 +60,8 @@ class _WorldEnv(OfOneWorld, gym.Env):
             self._warned = True
             gym.logger.warn("the episode has ended: call reset before step", stacklevel=2)
         world, view = self._world, self._view
-        seen = world.step(numbers)
+        world.step(numbers)
+        seen = world.sight
         terminated, truncated = seen.terminated.item(), seen.truncated.item()
         self._over = terminated or truncated
         self._show()
@@ -69,10 +70,10 @@ class _WorldEnv(OfOneWorld, gym.Env):
             view.reward(seen.reward.tolist()),
             terminated,
             truncated,
-            self._info(seen) if self._over or world.process.always else {},
+            self._info() if self._over or world.process.always else {},
         )
 
-    def _info(self, seen: Sight) -> dict[str, Any]:
+    def _info(self) -> dict[str, Any]:
         raise NotImplementedError
 
 
@@ -108,8 +109,8 @@ class HAVSwarmEnv(_WorldEnv):
         world = SingleWorld(render_mode, **settings)
         super().__init__(world, JointView(world.process, team_reward, flatten))
 
-    def _info(self, seen: Sight) -> dict[str, Any]:
-        return self._world.name_numbers(seen.info.copy())
+    def _info(self) -> dict[str, Any]:
+        return self._world.name_numbers(self._world.sight.info.copy())
 
 
 class HAVSingleEnv(_WorldEnv):
@@ -142,5 +143,5 @@ class HAVSingleEnv(_WorldEnv):
         world = SingleWorld(render_mode, 1, others, **settings)
         super().__init__(world, EgoView(world.process))
 
-    def _info(self, seen: Sight) -> dict[str, Any]:
-        return self._world.name_numbers(*seen.rows.tolist())
+    def _info(self) -> dict[str, Any]:
+        return self._world.infos()[0]

@@ -1,6 +1,5 @@
 """This module has PettingZoo's parallel environment: each HAV is an agent, hav_0, hav_1, ..."""
 
-import math
 import numbers
 from typing import Any, ClassVar, Unpack
 
@@ -14,13 +13,14 @@ from hav_env.envs.one_after_another import OneAfterAnother
 from hav_env.envs.screen import ENV_RENDER_MODES, RENDER_FPS
 from hav_env.envs.single_world import OfOneWorld, Sight, SingleWorld
 from hav_env.envs.views import action_box, observation_box
-from hav_env.mdp.actions import REAL_KINDS, check_mapping, read_action
+from hav_env.mdp.actions import are_finite_numbers, check_mapping, read_action
 from hav_env.mdp.central_state import CentralState
 from hav_env.mdp.decision_process import Settings
 from hav_env.models.annotations import show
 from hav_env.world.task import REMOVE
 
 Observations = dict[str, np.ndarray]
+_KINDS = np.dtype(np.float32), np.dtype(np.float64)
 
 
 class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
@@ -68,6 +68,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         self.possible_agents = [f"hav_{k}" for k in range(process.num_havs)]
         self.agents: list[str] = []
         self._places = {agent: k for k, agent in enumerate(self.possible_agents)}
+        self._all = [dict.fromkeys(self._places, flag) for flag in (False, True)]
         # PettingZoo requires the same space object for an agent in every call
         self.observation_spaces = {agent: observation_box(process) for agent in self._places}
         self.action_spaces = {agent: action_box() for agent in self._places}
@@ -101,11 +102,12 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         plan = self._world.plan(seed, options, self.np_random)
         if seed is not None:
             self.np_random, _ = seeding.np_random(int(seed))
-        seen = self._world.begin(plan)
+        self._world.begin(plan)
         self.agents = self.possible_agents.copy()
         self._show()
-        infos = self._infos(seen) if self._always else {agent: {} for agent in self.agents}
-        return dict(zip(self.agents, seen.observation.copy(), strict=True)), infos
+        infos = self._infos() if self._always else {agent: {} for agent in self.agents}
+        seen = self._world.sight.observation.copy()
+        return dict(zip(self.agents, seen, strict=True)), infos
 
     def step(
         self, actions: dict[str, np.ndarray]
@@ -132,19 +134,20 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         check_mapping(actions)
         if not agents and not actions:
             return {}, {}, {}, {}, {}
-        seen = self._world.step(self._gather(actions))
+        self._world.step(self._gather(actions))
+        seen = self._world.sight
         over, late = seen.terminated.item(), seen.truncated.item()
         if self._removes:
             return self._let_leave(seen, over, late)
-        infos = self._infos(seen) if over or late or self._always else {a: {} for a in agents}
+        infos = self._infos() if over or late or self._always else {a: {} for a in agents}
         if over or late:
             self.agents = []
         self._show()
-        return (  # a strict zip is slower, see ``SingleWorld.name_numbers``
+        return (  # a strict zip is slower, see ``OneWorld.infos``
             dict(zip(agents, seen.observation.copy())),  # noqa: B905
             dict(zip(agents, seen.reward.tolist())),  # noqa: B905
-            dict.fromkeys(agents, over),
-            dict.fromkeys(agents, late),
+            self._all[over].copy(),
+            self._all[late].copy(),
             infos,
         )
 
@@ -152,7 +155,7 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         self, seen: Sight, over: bool, late: bool
     ) -> tuple[Observations, dict[str, float], dict[str, bool], dict[str, bool], dict]:
         """Return the results of a step of the present agents, which may end one by one."""
-        names, agents, infos = self.possible_agents, self.agents, self._infos(seen)
+        names, agents, infos = self.possible_agents, self.agents, self._infos()
         observations = dict(zip(names, seen.observation.copy(), strict=True))
         rewards = dict(zip(names, seen.reward.tolist(), strict=True))
         num_goals = self._world.process.batch.scenario.num_goals
@@ -173,14 +176,11 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
         agents, numbers = self.agents, []
         if list(actions) != agents:
             self._check_agents(actions)
-        for agent in agents:
-            action = actions[agent]
-            if not (type(action) is np.ndarray and action.dtype.kind in REAL_KINDS):
-                action = _read_action(agent, action)
-            if action.shape != (2,):
-                _read_action(agent, action)
-            numbers += action.tolist()
-        if not all(map(math.isfinite, numbers)):
+            actions = {agent: actions[agent] for agent in agents}
+        for agent, action in actions.items():
+            legible = type(action) is np.ndarray and action.dtype in _KINDS and action.shape == (2,)
+            numbers += (action if legible else _read_action(agent, action)).tolist()
+        if not are_finite_numbers(numbers):
             for agent, action in actions.items():
                 _read_action(agent, action)
         if len(agents) == len(self._places):
@@ -201,9 +201,8 @@ class HAVSwarmParallelEnv(OfOneWorld, ParallelEnv):
             missing = next(agent for agent in self.agents if agent not in actions)
             raise ValueError(f"there is no action for {missing}")
 
-    def _infos(self, seen: Sight) -> dict[str, dict[str, float]]:
-        named = map(self._world.name_numbers, seen.rows.tolist())
-        return dict(zip(self.possible_agents, named))  # noqa: B905
+    def _infos(self) -> dict[str, dict[str, float]]:
+        return dict(zip(self.possible_agents, self._world.infos()))  # noqa: B905
 
     def state(self) -> np.ndarray:
         """Return the global state of the world in the world's frame: see ``CentralState``.

@@ -1,7 +1,6 @@
 """This module steps one world for environments: resets, their options, rendering."""
 
 import copy
-import struct
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -11,6 +10,7 @@ from hav_env.envs.reset_options import read_episode, read_options, warn_of_unkno
 from hav_env.envs.screen import Screen
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.decision_process import DecisionProcess
+from hav_env.mdp.one_world import OneWorld
 from hav_env.scenarios import Explicit, explicit
 from hav_env.scenarios.clearance import site_in
 from hav_env.scenarios.given_vehicles import bends_in, vehicle_in
@@ -36,7 +36,6 @@ class Sight(NamedTuple):
 
     observation: np.ndarray  # (C, D) float32
     info: np.ndarray  # (K, C)
-    rows: np.ndarray  # (C, K) transposed view of info
     reward: np.ndarray  # (C,)
     terminated: np.ndarray  # (1,) bool
     truncated: np.ndarray  # (1,) bool
@@ -46,6 +45,13 @@ class SingleWorld:
     """A decision process of one world.
 
     Episode k of seed s, counted from 0, is the same episode as in a rollout.
+
+    Attributes:
+        process: The decision process.
+        screen: Its pictures.
+        step: Takes the actions of all HAVs: see ``OneWorld.step``.
+        infos: Returns the infos of each HAV by name: see ``OneWorld.infos``.
+        sight: The outcome, which ``step`` and ``begin`` overwrite.
     """
 
     def __init__(
@@ -76,18 +82,16 @@ class SingleWorld:
 
     def _allocate(self) -> None:
         """Make the arrays of all steps once: creating them takes as long as copying from them."""
-        self._outcome = outcome = self.process.outcome()
-        self._actions = np.zeros((1, self.process.num_controlled, 2))
-        self._write_actions = struct.Struct(f"{self._actions.size}d").pack_into
-        info = outcome.info[..., 0]
-        self._sight = Sight(
-            *(outcome.observation[0], info, info.T, outcome.reward[:, 0]),
+        self._one = one = OneWorld(self.process)
+        self.step, self.infos, outcome = one.step, one.infos, one.outcome
+        self.sight = Sight(
+            *(outcome.observation[0], outcome.info[..., 0], outcome.reward[:, 0]),
             *(outcome.terminated, outcome.truncated),
         )
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out views: a copy would turn them into independent arrays."""
-        own = ("_outcome", "_actions", "_write_actions", "_sight")
+        own = "_one", "step", "infos", "sight"
         return {name: value for name, value in self.__dict__.items() if name not in own}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -127,7 +131,7 @@ class SingleWorld:
         written = {name: given[name] for name in _WRITABLE if name in given}
         return Plan(key, self._write(written, key) if written else None)
 
-    def begin(self, plan: Plan) -> Sight:
+    def begin(self, plan: Plan) -> None:
         """Begin an episode.
 
         Raises:
@@ -136,24 +140,15 @@ class SingleWorld:
         """
         self._key = plan.key
         keys = np.array([plan.key], np.int64).T
-        self.process.begin(keys[0], keys[1], _HERE, self._outcome)
+        outcome = self._one.outcome
+        self.process.begin(keys[0], keys[1], _HERE, outcome)
         if plan.written is not None:
             batch = self.process.batch
             batch.worlds.state.clock[SEED:, 0] = plan.key
             begin(plan.written, batch.task, batch.worlds, np.empty(1, np.bool_))
-            self.process.observe_worlds(_HERE, self._outcome)
+            self.process.observe_worlds(_HERE, outcome)
+        self._one.begin()
         self.screen.forget(_HERE)
-        return self._sight
-
-    def step(self, actions: list[float]) -> Sight:
-        """Take the actions of all HAVs in order; they must be finite.
-
-        Raises:
-            RuntimeError: If no episode has begun.
-        """
-        self._write_actions(self._actions.data, 0, *actions)
-        self.process.step(self._actions, self._outcome)
-        return self._sight
 
     def name_numbers(self, numbers: Iterable) -> dict[str, Any]:
         """Return the infos by name; filling a copy is faster than building a new dictionary."""

@@ -51,7 +51,7 @@ def list_action(name: str, action: Any, shape: tuple[int, ...]) -> list[float]:
     """
     if type(action) is np.ndarray and action.dtype.kind in REAL_KINDS and action.shape == shape:
         numbers = action.ravel().tolist()
-        if all(map(math.isfinite, numbers)):
+        if are_finite_numbers(numbers):
             return numbers
     return read_action(name, action, shape).ravel().tolist()
 
@@ -83,8 +83,13 @@ def read_action(name: str, action: Any, shape: tuple[int, ...]) -> np.ndarray:
 def are_finite(actions: np.ndarray) -> bool:
     """Return whether all numbers of an array are finite."""
     if actions.size <= _SHORT_LIST:
-        return all(map(math.isfinite, actions.ravel().tolist()))
+        return are_finite_numbers(actions.ravel().tolist())
     return np.count_nonzero(np.isfinite(actions)) == actions.size
+
+
+def are_finite_numbers(numbers: list[float]) -> bool:
+    """Return whether all numbers of a list are finite; if their sum is, they are."""
+    return math.isfinite(sum(numbers)) or all(map(math.isfinite, numbers))
 
 
 def check_mapping(actions: Any) -> None:

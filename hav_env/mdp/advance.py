@@ -58,7 +58,7 @@ def advance_worlds(first, last, held, actions, outcome):
         first: First world of the range.
         last: World after the last of the range.
         held: Task, vehicle, safety, reward, observation, worlds, buffers and portion, as for
-            ``_advance``.
+            ``advance_block``.
         actions: ``Actions`` of all worlds, clipped.
         outcome: Outcome of all worlds; written when the action ends.
     """
@@ -94,11 +94,47 @@ def _advance(
     actions,
     outcome,
 ):
-    """Take (a part of) one action in each of a range of worlds, and write the outcome.
+    """Take (a part of) one action in each of a range of worlds, as ``advance_block`` does."""
+    for start in range(first, last, OBSERVED_LANES):
+        advance_block(
+            start,
+            min(OBSERVED_LANES, last - start),
+            first // VECTOR,
+            task,
+            vehicle,
+            safety,
+            reward,
+            observation,
+            worlds,
+            buffers,
+            portion,
+            actions,
+            outcome,
+        )
+
+
+@kernel
+def advance_block(
+    start,
+    lanes,
+    slot,
+    task,
+    vehicle,
+    safety,
+    reward,
+    observation,
+    worlds,
+    buffers,
+    portion,
+    actions,
+    outcome,
+):
+    """Take (a part of) one action in each world of a block, and write the outcome.
 
     Args:
-        first: First world of the range.
-        last: World after the last of the range.
+        start: First world of the block.
+        lanes: Number of its worlds.
+        slot: Index of the scratch columns that this thread may use.
         task: Rules of the episode.
         vehicle: Vehicle model (kinematics).
         safety: Safety filter of the commands, or ``Backed``.
@@ -111,38 +147,34 @@ def _advance(
         outcome: Outcome of all worlds; written when the action ends.
     """
     duration, controlled = task.dt * like(portion.steps, task.dt), outcome.info.shape[1]
-    for start in range(first, last, OBSERVED_LANES):
-        world = block_of(worlds, start, min(OBSERVED_LANES, last - start), worlds.units)
-        block, result = (
-            buffers_from(buffers, start, first // VECTOR),
-            outcome_from(outcome, start),
-        )
-        for agent in range(controlled):
-            if actions.single.shape[0] > 0:
-                _command(world, block, agent, actions.single[start:])
-            else:
-                _command(world, block, agent, actions.double[start:])
-            if portion.opens:
-                note_before(world, agent, block.remaining, block.before)
+    world = block_of(worlds, start, lanes, worlds.units)
+    block, result = buffers_from(buffers, start, slot), outcome_from(outcome, start)
+    for agent in range(controlled):
+        if actions.single.shape[0] > 0:
+            _command(world, block, agent, actions.single[start:])
+        else:
+            _command(world, block, agent, actions.double[start:])
         if portion.opens:
-            remove_arrived(task, world)
-        for _ in range(portion.steps):
-            arrays = block.command, block.filtered, block.memory, block.trial
-            speed, steering = filter_commands(safety, task, vehicle, world, *arrays)
-            step(task, vehicle, world, speed, steering)
-        if portion.closes:
-            for agent in range(controlled):
-                plan_route(world, agent, block.scratch, block.remaining)
-                _reward(reward, duration, world, agent, block, block.terms, result)
-                _write_outcome(observation, world, agent, block, result)
-                if portion.reports:
-                    _report(world, agent, block, result)
-            for lane in range(world.lanes):
-                over = terminated(task, world, controlled, lane)
-                result.terminated[lane] = over
-                result.truncated[lane] = late(task, world, lane) and not over
-            if not portion.reports:
-                _report_ends(worlds, buffers, outcome, start, world.lanes)
+            note_before(world, agent, block.remaining, block.before)
+    if portion.opens:
+        remove_arrived(task, world)
+    for _ in range(portion.steps):
+        arrays = block.command, block.filtered, block.memory, block.trial
+        speed, steering = filter_commands(safety, task, vehicle, world, *arrays)
+        step(task, vehicle, world, speed, steering)
+    if portion.closes:
+        for agent in range(controlled):
+            plan_route(world, agent, block.scratch, block.remaining)
+            _reward(reward, duration, world, agent, block, block.terms, result)
+            _write_outcome(observation, world, agent, block, result)
+            if portion.reports:
+                _report(world, agent, block, result)
+        for lane in range(world.lanes):
+            over = terminated(task, world, controlled, lane)
+            result.terminated[lane] = over
+            result.truncated[lane] = late(task, world, lane) and not over
+        if not portion.reports:
+            _report_ends(worlds, buffers, outcome, start, world.lanes)
 
 
 @entry

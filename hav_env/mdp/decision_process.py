@@ -141,7 +141,7 @@ class DecisionProcess:
         size = outcome_size(c, len(self.columns), len(self.info))
         check_memory("num_worlds", w, (self.batch.bytes_per_world + size) * w)
         driver = None if others is None else PolicyDriver(others, self.batch, c)
-        self._driver = driver if c < n else None  # the learner controls all HAVs
+        self.driver = driver if c < n else None  # the learner controls all HAVs
         self._reward = canonical(reward)
         trial_rows = scratch_rows(self._guard, self.batch.worlds.units)
         sizes = n, c, len(reward), len(self.columns), trial_rows
@@ -150,20 +150,20 @@ class DecisionProcess:
             memory=memory
         )
         self._compiled: dict[str, Any] = {}  # compiled entries by name
-        self._held: tuple[Held, ...] = ()  # made at first use
+        self.held: tuple[Held, ...] = ()  # see ``hold``; made at first use
         layout = outcome_layout(w, c, len(self.columns), len(self.info))
         # small arrays are allocated separately, so users can keep them without the large ones
         self._recycler, self._small = Recycler(layout[:2]), layout[2:]
         self._no_actions = Actions(np.empty((0, c, 2), np.float32), np.empty((0, c, 2)))
         self.report(info == "always")
         self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
-        self._all_begun = False
+        self.all_begun = False
         self._threads = min(threads or default_threads(), max(1, c * w // _HAVS_PER_THREAD))
         self._stage = allocate_stage(self.batch, self._threads, sizes, len(self.info))
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out compiled entries: a copy loads them again."""
-        return self.__dict__ | {"_compiled": {}, "_held": ()}
+        return self.__dict__ | {"_compiled": {}, "held": ()}
 
     @property
     def command(self) -> np.ndarray:
@@ -181,13 +181,13 @@ class DecisionProcess:
         if type(reward) is not type(self._reward):
             raise TypeError(f"reward is {reward!r}, but must be a {type(self._reward).__name__}")
         self._reward = canonical(reward)
-        self._held = ()
+        self.held = ()
 
     def report(self, always: bool) -> None:
         """Report on every world after every action, or only on worlds whose episodes end."""
         self.always = always
-        self._portions = divide_action(self.frame_skip, self._driver is not None, always)
-        self._held = ()
+        self._portions = divide_action(self.frame_skip, self.driver is not None, always)
+        self.held = ()
 
     def begin(
         self, seeds: np.ndarray, episodes: np.ndarray, chosen: np.ndarray, outcome: Outcome
@@ -206,9 +206,9 @@ class DecisionProcess:
         """
         places = np.flatnonzero(chosen)
         placed = np.zeros(places.size, np.bool_)
-        self._begun[places] = self._all_begun = False
-        if self._driver is not None:
-            self._driver.forget(chosen)
+        self._begun[places] = self.all_begun = False
+        if self.driver is not None:
+            self.driver.forget(chosen)
         self._buffers.memory[..., places] = 0.0
         batch = self.batch
         models = batch.scenario, batch.task, self.observation
@@ -219,12 +219,12 @@ class DecisionProcess:
             self._run(begin_episodes, places.size, args)
         finally:  # an interrupt is raised after all worlds are done
             self._begun[places] = placed
-            self._all_begun = np.count_nonzero(self._begun) == self.num_worlds
+            self.all_begun = np.count_nonzero(self._begun) == self.num_worlds
         check_placed(placed, batch.scenario)
 
     def require_episodes(self, use: str) -> None:
         """Raise RuntimeError, naming the use, unless every world has an episode."""
-        if self._all_begun:
+        if self.all_begun:
             return
         missing = np.flatnonzero(~self._begun).tolist()
         if len(missing) == self.num_worlds:
@@ -254,16 +254,16 @@ class DecisionProcess:
         Raises:
             RuntimeError: If a world has no episode.
         """
-        if not self._all_begun:
+        if not self.all_begun:
             self.require_episodes("step")
         if outcome is None:
             outcome = self.outcome()
         none = self._no_actions
         single = actions.itemsize == _SINGLE
         told = Actions(actions, none.double) if single else Actions(none.single, actions)
-        for held in self._held or self._hold():
-            if self._driver is not None:
-                self._buffers.command[:] = self._driver.decide()
+        for held in self.held or self.hold():
+            if self.driver is not None:
+                self._buffers.command[:] = self.driver.decide()
             self._run(advance_worlds, self.num_worlds, (held, told, outcome))
         return outcome
 
@@ -277,13 +277,13 @@ class DecisionProcess:
         else:
             share_out(self._compiled[name], count, args, self._threads)
 
-    def _hold(self) -> tuple[Held, ...]:
-        """Return the constant arguments of every step, for each portion of an action."""
+    def hold(self) -> tuple[Held, ...]:
+        """Make the constant arguments of every step, for each portion of an action."""
         batch, arrays = self.batch, (self.batch.worlds, self._buffers)
         models = batch.task, batch.vehicle, canonical(self._guard), self._reward, self.observation
         told = narrow((*models, *arrays)) if self.precision == "single" else (*models, *arrays)
-        self._held = tuple(Held(*told, portion) for portion in self._portions)
-        return self._held
+        self.held = tuple(Held(*told, portion) for portion in self._portions)
+        return self.held
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return the arrays that persist between actions, by name: worlds and buffers."""

@@ -151,6 +151,6 @@ def test_round_a_hav_that_its_learner_leaves_standing_the_others_arrive():
         audit.look()
         over = terminated or truncated
     audit.approve()
-    assert not process._driver.memory[0].any()  # it does not broadcast
+    assert not process.driver.memory[0].any()  # it does not broadcast
     if COMPILED:
         assert process.batch.worlds.state.waiting[:, 0].tolist() == [False, True, True, True]
