@@ -78,6 +78,7 @@ class _WorldsVectorEnv(VectorEnv):
         self._set_keys(seeds, chosen)
         outcome = self._process.outcome()
         self._begin(chosen, outcome)
+        self._screen.forget(chosen)
         self._note_ends(self._over & ~chosen)
         if not chosen.all():
             self._process.observe_worlds(~chosen, outcome)
@@ -102,11 +103,11 @@ class _WorldsVectorEnv(VectorEnv):
         actions = take_actions("the array of actions", actions, self._shape)
         mode, process = self.autoreset_mode, self._process
         if self._any_over and mode == AutoresetMode.DISABLED:
-            ended = np.flatnonzero(self._over).tolist()
+            ended = self._places.tolist()
             raise RuntimeError(f"reset the worlds {ended} first: their episodes have ended")
         outcome = process.step(actions.reshape(self.num_envs, -1, 2))
         if self._any_over and mode == AutoresetMode.NEXT_STEP:
-            self._begin_next(self._over, outcome)
+            self._begin_next(outcome)
         observation, numbers, reward, terminated, truncated = outcome
         self._note_ends(terminated | truncated)
         info: dict[str, Any] = {}
@@ -114,13 +115,13 @@ class _WorldsVectorEnv(VectorEnv):
             info = self._final(outcome)
             # rewards and ends belong to the episodes that have just ended
             apart = map(np.empty_like, (reward, terminated, truncated))
-            self._begin_next(self._over, Outcome(observation, numbers, *apart))
+            self._begin_next(Outcome(observation, numbers, *apart))
         if process.always:
             everywhere = np.empty(self.num_envs, np.bool_)
             everywhere.fill(True)
             info |= self._info(numbers, everywhere)
         elif self._any_over and mode != AutoresetMode.SAME_STEP:
-            info = self._info(_of_worlds(numbers, self._over), self._over.copy())
+            info = self._info(self._of_ended(numbers), self._over.copy())
         rewards = self._view.rewards(reward)
         return self._view.observations(observation), rewards, terminated, truncated, info
 
@@ -208,15 +209,23 @@ class _WorldsVectorEnv(VectorEnv):
 
     def _note_ends(self, over: np.ndarray) -> None:
         self._over, self._any_over = over, np.count_nonzero(over) > 0
+        if self._any_over:
+            self._places = np.flatnonzero(over)
 
-    def _begin_next(self, chosen: np.ndarray, outcome: Outcome) -> None:
-        self._episodes += chosen
-        self._begin(chosen, outcome)
+    def _begin_next(self, outcome: Outcome) -> None:
+        self._episodes[self._places] += 1
+        self._begin(self._places, outcome)
+        self._screen.forget(self._over)
 
     def _begin(self, chosen: np.ndarray, outcome: Outcome) -> None:
         assert self._seeds is not None
         self._process.begin(self._seeds, self._episodes, chosen, outcome)
-        self._screen.forget(chosen)
+
+    def _of_ended(self, numbers: np.ndarray) -> np.ndarray:
+        """Return numbers (K, C, W) of worlds whose episodes have ended, zeros elsewhere."""
+        found = np.zeros(numbers.shape[::-1])  # the numbers of a world are side by side
+        found[self._places] = numbers[..., self._places].T
+        return found.T
 
     def _info(self, numbers: np.ndarray, chosen: np.ndarray) -> dict[str, Any]:
         """Return all infos by name, with masks of the worlds that have them."""
@@ -230,21 +239,13 @@ class _WorldsVectorEnv(VectorEnv):
         observations = np.full(self.num_envs, None, object)
         for w in np.flatnonzero(over):
             observations[w] = self._view.observations(outcome.observation)[w].copy()
-        numbers = _of_worlds(outcome.info, over)
+        numbers = self._of_ended(outcome.info)
         return {
             "final_obs": observations,
             "_final_obs": over,
             "final_info": self._info(numbers, over),
             "_final_info": over.copy(),
         }
-
-
-def _of_worlds(numbers: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """Return numbers (K, C, W) of the chosen worlds, and zeros for the others: mostly few."""
-    places = np.flatnonzero(chosen)
-    found = np.zeros(numbers.shape)
-    found[..., places] = numbers[..., places]
-    return found
 
 
 class HAVSwarmVectorEnv(_WorldsVectorEnv):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, entry, kernel, lanes_from, take
+from hav_env.compiled import VECTOR, arguments_of, entry, kernel, lanes_from, loop_kernel, take
 from hav_env.mdp.advance import observe_block
 from hav_env.mdp.buffers import Buffers, Outcome, allocate_buffers, outcome_layout
 from hav_env.simulator.batch import Batch, worlds_for
@@ -53,21 +53,7 @@ def allocate_stage(
 
 @entry
 def begin_episodes(
-    first,
-    last,
-    scenario,
-    task,
-    observation,
-    worlds,
-    buffers,
-    outcome,
-    stage,
-    parts_taken,
-    places,
-    seeds,
-    episodes,
-    reports,
-    placed,
+    first, last, scenario, held, outcome, parts_taken, places, seeds, episodes, reports, placed
 ):
     """Begin episodes in a range of those worlds that are to begin, and write their observations.
 
@@ -75,12 +61,9 @@ def begin_episodes(
         first: Index of the first world in ``places``.
         last: Index after the last world.
         scenario: Model of fleets, start poses and goal poses.
-        task: Rules of the episode.
-        observation: Observation settings, as ``settle`` returns them.
-        worlds: The arrays of all worlds.
-        buffers: Buffers of all worlds.
+        held: Rules of the episode, observation settings as ``settle`` returns them, the arrays of
+            all worlds, buffers of all worlds, and the stage of all threads.
         outcome: Outcome of all worlds.
-        stage: Stage of all threads.
         parts_taken: (1,) how many of its parts threads have taken, zero at first.
         places: (B,) indices of the worlds that are to begin.
         seeds: (W,) of the episodes of all worlds.
@@ -88,6 +71,45 @@ def begin_episodes(
         reports: Whether to write the infos.
         placed: (B,) bool, to write: whether the scenario placed the HAVs.
     """
+    task, observation, worlds, buffers, stage = arguments_of(held)
+    _begin_episodes(
+        first,
+        last,
+        scenario,
+        task,
+        observation,
+        worlds,
+        buffers,
+        stage,
+        outcome,
+        parts_taken,
+        places,
+        seeds,
+        episodes,
+        reports,
+        placed,
+    )
+
+
+@loop_kernel
+def _begin_episodes(
+    first,
+    last,
+    scenario,
+    task,
+    observation,
+    worlds,
+    buffers,
+    stage,
+    outcome,
+    parts_taken,
+    places,
+    seeds,
+    episodes,
+    reports,
+    placed,
+):
+    """Begin episodes, see ``begin_episodes``."""
     part = take(parts_taken) if first < last else 0
     on_stage = part * stage.lanes
     for start in range(first, last, stage.lanes):

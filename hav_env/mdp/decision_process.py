@@ -145,10 +145,8 @@ class DecisionProcess:
         self._reward = canonical(reward)
         trial_rows = scratch_rows(self._guard, self.batch.worlds.units)
         sizes = n, c, len(reward), len(self.columns), trial_rows
-        memory = memory_behind(self._guard, n, w)
-        self._buffers = allocate_buffers(w, *sizes, -(-w // VECTOR), precision)._replace(
-            memory=memory
-        )
+        buffers = allocate_buffers(w, *sizes, -(-w // VECTOR), precision)
+        self._buffers = buffers._replace(memory=memory_behind(self._guard, n, w))
         self._compiled: dict[str, Any] = {}  # compiled entries by name
         self.held: tuple[Held, ...] = ()  # see ``hold``; made at first use
         layout = outcome_layout(w, c, len(self.columns), len(self.info))
@@ -159,7 +157,9 @@ class DecisionProcess:
         self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
         self.all_begun = False
         self._threads = min(threads or default_threads(), max(1, c * w // _HAVS_PER_THREAD))
-        self._stage = allocate_stage(self.batch, self._threads, sizes, len(self.info))
+        stage = allocate_stage(self.batch, self._threads, sizes, len(self.info))
+        arrays = self.batch.worlds, self._buffers, stage
+        self._beginning = Held(self.batch.task, self.observation, *arrays)
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out compiled entries: a copy loads them again."""
@@ -197,30 +197,29 @@ class DecisionProcess:
         Args:
             seeds: (W,) int64 seeds; only those of the chosen worlds count.
             episodes: (W,) int64 numbers of the episodes; only those of the chosen worlds count.
-            chosen: (W,) bool, the worlds to begin.
+            chosen: (W,) bool, the worlds to begin; or their indices.
             outcome: Outcome to write for the chosen worlds: no reward, no end; infos if ``always``.
 
         Raises:
             PlacementError: If the scenario cannot place the HAVs of a world; that world then has no
                 episode.
         """
-        places = np.flatnonzero(chosen)
+        places = np.flatnonzero(chosen) if chosen.dtype == np.bool_ else chosen
         placed = np.zeros(places.size, np.bool_)
         self._begun[places] = self.all_begun = False
         if self.driver is not None:
-            self.driver.forget(chosen)
-        self._buffers.memory[..., places] = 0.0
-        batch = self.batch
-        models = batch.scenario, batch.task, self.observation
-        arrays = batch.worlds, self._buffers, outcome, self._stage
+            self.driver.forget(places)
+        if self._buffers.memory.size:
+            self._buffers.memory[..., places] = 0.0
         keys = (np.ascontiguousarray(numbers, np.int64) for numbers in (seeds, episodes))
-        args = *models, *arrays, np.zeros(1, np.int64), places, *keys, self.always, placed
+        constant, parts_taken = (self.batch.scenario, self._beginning), np.zeros(1, np.int64)
+        args = *constant, outcome, parts_taken, places, *keys, self.always, placed
         try:
             self._run(begin_episodes, places.size, args)
         finally:  # an interrupt is raised after all worlds are done
             self._begun[places] = placed
             self.all_begun = np.count_nonzero(self._begun) == self.num_worlds
-        check_placed(placed, batch.scenario)
+        check_placed(placed, self.batch.scenario)
 
     def require_episodes(self, use: str) -> None:
         """Raise RuntimeError, naming the use, unless every world has an episode."""

@@ -56,5 +56,6 @@ class PolicyDriver:
         return commands
 
     def forget(self, worlds: np.ndarray) -> None:
-        """Clear the memory in the worlds (W,) that are true."""
-        self.memory[..., np.flatnonzero(worlds)] = 0.0  # the memory may have one lane more
+        """Clear the memory in the worlds (W,) that are true, or in those with these indices."""
+        places = np.flatnonzero(worlds) if worlds.dtype == np.bool_ else worlds
+        self.memory[..., places] = 0.0  # the memory may have one lane more
