@@ -5,7 +5,7 @@ With a backup, another policy drives wherever a proposal would leave it no safe 
 
 from typing import Any, NamedTuple
 
-from hav_env.compiled import canonical, generic, kernel
+from hav_env.compiled import VECTOR, canonical, generic, local_array, rare_kernel
 from hav_env.models.protocols import Scenario, Vehicle
 from hav_env.policies.backed import Backed, check_as_backup, check_behind
 from hav_env.policies.backup import NoBackup, backup_rows
@@ -20,6 +20,7 @@ from hav_env.safety import (
     make_safety,
     scratch_rows,
 )
+from hav_env.world.lanes import LANES
 from hav_env.world.task import Task
 
 MOST_FILTERED_TRAILERS = 10
@@ -87,13 +88,14 @@ def _(policy: Filtered) -> str:
 
 
 _TRIAL_ROWS = scratch_rows(SafetyFilter(), MOST_FILTERED_TRAILERS + 1)
+_TRIAL_LANES = LANES + VECTOR  # rows at this distance do not evict each other from the cache
 
 
 @act_lanes.register(Filtered)
 def propose_and_filter(policy, memory, world, agent, speed, steering):
     """Let the policy decide for one HAV, then filter the decision, then let a backup judge it.
 
-    The first rows of the memory are the backup's, and the last ones the filter's scratch.
+    The first rows of the memory are the backup's.
     """
     _propose(policy.backup, policy, memory, world, agent, speed, steering)
 
@@ -106,7 +108,7 @@ def _propose(backup, policy, memory, world, agent, speed, steering):
 @_propose.register(NoBackup)
 def _propose_alone(backup, policy, memory, world, agent, speed, steering):
     act_lanes(policy.policy, memory, world, agent, speed, steering)
-    _filter(policy.safety, policy, memory, memory, world, agent, speed, steering)
+    _filter(policy.safety, policy, memory, world, agent, speed, steering)
 
 
 @_propose.otherwise
@@ -114,19 +116,20 @@ def _propose_to_backup(backup, policy, memory, world, agent, speed, steering):
     own = memory[:, backup_rows(backup) :]
     act_lanes(policy.policy, own, world, agent, speed, steering)
     safety = Backed(policy.safety, backup)
-    _filter(safety, policy, memory, own, world, agent, speed, steering)
+    _filter(safety, policy, memory, world, agent, speed, steering)
 
 
-@kernel
-def _filter(safety, policy, memory, own, world, agent, speed, steering):
-    rows = own[agent, own.shape[1] - _TRIAL_ROWS :]
+@rare_kernel
+def _filter(safety, policy, memory, world, agent, speed, steering):
+    """Filter on the stack: rows in the memory would move with the worlds that change places."""
+    rows = local_array(1, _TRIAL_ROWS, _TRIAL_LANES)[0]
     task, vehicle = policy.task, policy.vehicle
     filter_command(safety, task, vehicle, memory, world, agent, speed, steering, rows)
 
 
 @memory_size.register
 def _(policy: Filtered) -> int:
-    return memory_size(policy.backup) + memory_size(policy.policy) + _TRIAL_ROWS
+    return memory_size(policy.backup) + memory_size(policy.policy)
 
 
 @broadcast_size.register
