@@ -110,13 +110,13 @@ def keep_apart(safety, task, world, agent, speed, rows):
         if drives(world, agent, lane):
             stands = _may_go_too_far(task, world, agent, lane, rows[LONGEST_MOVE, lane]) or (
                 rows[MAY_BE_NEAR, lane] != 0.0
-                and must_stand(safety, task, world, agent, lane, rows)
+                and must_stand(safety, task, world, agent, lane, rows[LONGEST_MOVE, lane], rows)
             )
             speed[agent, lane] = 0.0 if stands else speed[agent, lane]
 
 
 @kernel
-def must_stand(safety, task, world, agent, lane, rows):
+def must_stand(safety, task, world, agent, lane, longest, rows):
     """Return whether a HAV must stand for the step of its trial.
 
     Args:
@@ -125,14 +125,16 @@ def must_stand(safety, task, world, agent, lane, rows):
         world: Block of worlds, in which the HAV is at its position after the step.
         agent: Index of the HAV.
         lane: Index of the world.
+        longest: Bound on the movement of any point of the HAV in a step [m], for every command.
         rows: Scratch, which keeps the HAV's position before the step.
     """
-    way = _way_of(task, world, agent, lane)
     for k in range(num_neighbors(world, agent, lane)):
         other = neighbor_id(world, agent, k, lane)
-        if not _keeps_from(safety, task, world, agent, other, lane, way, rows):
+        if not _is_clear(task, world, agent, other, lane, longest) and not _keeps_from(
+            safety, task, world, agent, other, lane, rows
+        ):
             return True
-    return not keeps_from_obstacles(world.place, world, agent, lane, way, rows)
+    return not keeps_from_obstacles(world.place, task, world, agent, lane, rows)
 
 
 @kernel
@@ -145,18 +147,22 @@ def _way_of(task, world, agent, lane):
 
 
 @kernel
-def _keeps_from(safety, task, world, agent, other, lane, way, rows):
-    """Return whether rule A or B lets a HAV move past another HAV."""
+def _is_clear(task, world, agent, other, lane, longest):
+    """Return whether rule A certainly holds: a quick test, with bounds on the two movements."""
     reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
-    squared = squared_distance(world, agent, other, lane)
-    need = max(way, roughly_most(world, other, lane, task.dt)) + _SPARE_GAP
-    if not within(squared, reaches + need):
-        return True  # as below: the need is not larger
-    need = max(way, most_displacement(world, other, lane, task.dt)) + _SPARE_GAP
-    if not within(squared, reaches + need):
+    need = max(longest, roughly_most(world, other, lane, task.dt)) + _SPARE_GAP
+    if not within(squared_distance(world, agent, other, lane), reaches + need):
         return True
-    bodies = world.fleet.bodies
-    if boxes_apart(bodies, world, agent, other, lane, need):
+    return boxes_apart(world.fleet.bodies, world, agent, other, lane, need)
+
+
+@rare_kernel
+def _keeps_from(safety, task, world, agent, other, lane, rows):
+    """Return whether rule A or B lets a HAV move past another HAV."""
+    way, bodies = _way_of(task, world, agent, lane), world.fleet.bodies
+    reaches = reach(world.fleet, agent, lane) + reach(world.fleet, other, lane)
+    need = max(way, most_displacement(world, other, lane, task.dt)) + _SPARE_GAP
+    if not within(squared_distance(world, agent, other, lane), reaches + need):
         return True
     after = gap_of_bodies(bodies, world, agent, other, lane, need)
     if after >= need:
@@ -198,7 +204,7 @@ def _reach_what_is_due(place, world, agent, lane, distance):
 
 
 @generic
-def keeps_from_obstacles(place, world, agent, lane, way, rows):
+def keeps_from_obstacles(place, task, world, agent, lane, rows):
     """Return whether a HAV touches no obstacle at any moment of its trial step.
 
     It touches none if the sum of the gaps before and after exceeds the movement of all its points.
@@ -206,14 +212,14 @@ def keeps_from_obstacles(place, world, agent, lane, way, rows):
 
 
 @keeps_from_obstacles.register(Plane)
-def _keeps_from_nothing(place, world, agent, lane, way, rows):
+def _keeps_from_nothing(place, task, world, agent, lane, rows):
     return True
 
 
 @keeps_from_obstacles.register(Obstacles)
-def _keeps_from_segments(place, world, agent, lane, way, rows):
+def _keeps_from_segments(place, task, world, agent, lane, rows):
     driven, due = place.driven[agent, MOST_MOVED, lane], place.due[world.first + lane, agent]
-    limit = way + _SPARE_GAP
+    limit = _way_of(task, world, agent, lane) + _SPARE_GAP
     for number in range(place.count[lane]):
         least = due[number] - driven  # the gap before the step is at least that
         if least > limit:

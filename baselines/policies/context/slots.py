@@ -3,6 +3,7 @@
 from baselines.policies.context.memory import BANS, UNDER_WAY
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import atan2
+from hav_env.safety.displacement import roughly_most
 from hav_env.safety.keeping_apart import may_come_near, may_go_too_far, must_stand
 from hav_env.safety.straightening import bound_backup, straightens_out
 from hav_env.safety.trial_moves import IN_DOUBT, drive_on_trial, put_back
@@ -36,7 +37,13 @@ def is_masked(policy, mine, world, agent, slot, turned, speed, steering, rows):
     if may_go_too_far(policy, world, agent, 0):
         return True
     if may_come_near(policy, world, agent, 0) and must_stand(
-        policy.safety, policy, world, agent, 0, rows
+        policy.safety,
+        policy,
+        world,
+        agent,
+        0,
+        roughly_most(world, agent, 0, policy.dt),
+        rows,
     ):
         return True
     bound_backup(policy.dt, world, agent, rows)
