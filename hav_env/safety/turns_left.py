@@ -183,12 +183,12 @@ def bound_bend(bend, length, step, turn, curvature, length_ahead, bend_ahead, la
     inverse, most = 1.0 / max(tightest, _ALMOST_ZERO), bend
     cap = max(sine, tightest)
     most += share * max(1.0 - sine * inverse, 0.0)
-    most = _bend_on(most, share, inverse)
-    most = _bend_on(most, share, inverse)
+    most = bend_on(most, share, inverse)
+    most = bend_on(most, share, inverse)
     share, ratio = late * (1.0 / 3.0), length_ahead / length
-    most = _bend_on(most, share, max(inverse, _inverse_tangent(late, ratio)))
-    most = _bend_on(most, share, max(inverse, _inverse_tangent(late - share, ratio)))
-    most = _bend_on(most, share, max(inverse, _inverse_tangent(share, ratio))) + swing
+    most = bend_on(most, share, max(inverse, inverse_tangent(late, ratio)))
+    most = bend_on(most, share, max(inverse, inverse_tangent(late - share, ratio)))
+    most = bend_on(most, share, max(inverse, inverse_tangent(share, ratio))) + swing
     sine, _ = sincos(min(most, _QUARTER_TURN))
     sine = min(sine, cap)
     cosine = math.sqrt(max(1.0 - sine * sine, 0.0))
@@ -198,14 +198,18 @@ def bound_bend(bend, length, step, turn, curvature, length_ahead, bend_ahead, la
 
 
 @kernel
-def _inverse_tangent(turn, ratio):
-    """Return a ratio of lengths divided by the tangent of an angle from 0 to ``_STEEPEST``."""
-    sine, cosine = sincos(turn)
+def inverse_tangent(turn, ratio):
+    """Return at most a ratio of lengths over the tangent of an angle from 0 to ``_STEEPEST``."""
+    square = turn * turn
+    cosine = 1.0 - square * (1.0 / 2.0 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
+    sine = turn * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)))
     return ratio * cosine / max(sine, _ALMOST_ZERO)
 
 
 @kernel
-def _bend_on(bend, turn, inverse):
+def bend_on(bend, turn, inverse):
     """Return a bend after a turn [rad] of the unit ahead, by a step that is certainly too long."""
-    sine, _ = sincos(min(bend, _QUARTER_TURN))
+    angle = min(bend, _QUARTER_TURN)
+    square = angle * angle
+    sine = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
     return bend + turn * max(1.0 - sine * inverse, 0.0)

@@ -10,7 +10,7 @@ from hav_env.compiled import canonical, entry
 from hav_env.safety.filters import SafetyFilter
 from hav_env.safety.straightening import bound_backup
 from hav_env.safety.trial_moves import IN_DOUBT, count_rows
-from hav_env.safety.turns_left import bound_bend, settle_by_turns
+from hav_env.safety.turns_left import bend_on, bound_bend, inverse_tangent, settle_by_turns
 from hav_env.world.lanes import block_of
 from tests.safety.test_straightening import bent, straighten
 from tests.support.budgets import budget
@@ -118,3 +118,11 @@ def test_no_doubt_is_settled_where_the_proof_does_not_hold():
     assert settled(OnAxle(substeps=2)) == 0
     assert settled(horizon=10) == 0
     assert settled(limit=0.9) == 0
+
+
+def test_polynomials_of_the_turns_left_are_on_the_safe_side():
+    for angle in np.linspace(1e-6, 1.5, 400):
+        assert bend_on(angle, 1.0, 1.0) >= angle + 1.0 - math.sin(angle) - 1e-15
+        assert inverse_tangent(angle, 1.0) <= (1.0 + 1e-12) / math.tan(angle)
+    assert bend_on(0.5 * math.pi, 1.0, 1.0) >= 0.5 * math.pi
+    assert inverse_tangent(1.0, 1.0) > 0.99 / math.tan(1.0)
