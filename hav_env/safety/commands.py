@@ -99,7 +99,7 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
                 verdict = judge(safety, vehicle, chains, bay, width, beyond)
             while verdict != PENDING:
                 if verdict == WILL_STRAIGHTEN:
-                    lane, number = _next_in_doubt(world, agent, rows, begin, more, most), -1
+                    lane, number = next_in_doubt(world, agent, rows, begin, more, most), -1
                     begin = lane + 1
                     if lane >= world.lanes:
                         own[OWN_LANE] = -1.0
@@ -115,14 +115,14 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
                 elif verdict == UNSAFE:
                     number += 1
                 if number >= 0 or unsure:
-                    _try_command(vehicle, dt, one, agent, own_speed, own_steering, own_rows, number)
+                    try_command(vehicle, dt, world, agent, lane, speed, steering, rows, number)
                 if unsure:
                     continue
                 bent = enter(vehicle, dt, world, agent, lane, chains, bay, width)
                 own[TRIAL_NUMBER] = float(number)
                 verdict = UNSAFE if bent else PENDING
                 given = number < 0  # the bounds alone decide on the given command
-                if _is_backup(world, agent, lane, rows, number) or (
+                if is_backup(world, agent, lane, rows, number) or (
                     bent and given and not is_in_doubt(dt, one, agent, own_rows)
                 ):
                     verdict = WILL_STRAIGHTEN
@@ -132,7 +132,7 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
 
 
 @kernel
-def _is_backup(world, agent, lane, rows, number):
+def is_backup(world, agent, lane, rows, number):
     """Return whether a command on trial is the backup: the last one, or no steering at full speed.
 
     It needs no prediction, because nothing else would follow.
@@ -142,7 +142,7 @@ def _is_backup(world, agent, lane, rows, number):
 
 
 @kernel
-def _next_in_doubt(world, agent, rows, begin, more, most):
+def next_in_doubt(world, agent, rows, begin, more, most):
     """Return the next lane in which a HAV is in doubt and has so many trailers."""
     lane = begin
     while lane < world.lanes and not (
@@ -155,18 +155,28 @@ def _next_in_doubt(world, agent, rows, begin, more, most):
 
 
 @kernel
-def _try_command(vehicle, dt, world, agent, speed, steering, rows, number):
-    """Move a HAV on trial, in a block of one world, with one of the commands to try.
+def share_of_steering(number):
+    """Return the share of the commanded steering of a command to try; see ``try_command``."""
+    if number < 0:
+        return 1.0
+    return _STEERING_SHARES[number] if number < len(_STEERING_SHARES) else 0.0
+
+
+@kernel
+def try_command(vehicle, dt, world, agent, lane, speed, steering, rows, number):
+    """Move a HAV on trial, in one lane, with one of the commands to try.
 
     -1 is the given command. The shares of the steering follow from 0 on, and then the backup.
     """
-    limit, asked = world.fleet.limit, rows[ASKED_STEERING, 0]
+    one, own_rows = block_of(world, lane, 1, world.units), lanes_from(rows, lane)
+    own_speed, own_steering = lanes_from(speed, lane), lanes_from(steering, lane)
+    limit, asked = one.fleet.limit, own_rows[ASKED_STEERING, 0]
     steepest = limit[agent, STEERING, 0]
     turned = clip(asked, -steepest, steepest)
-    put_back(world, agent, rows)
-    speed[agent, 0], steering[agent, 0] = rows[ASKED_SPEED, 0], asked
+    put_back(one, agent, own_rows)
+    own_speed[agent, 0], own_steering[agent, 0] = own_rows[ASKED_SPEED, 0], asked
     if number == len(_STEERING_SHARES):
-        speed[agent, 0], steering[agent, 0] = limit[agent, SPEED, 0], 0.0
+        own_speed[agent, 0], own_steering[agent, 0] = limit[agent, SPEED, 0], 0.0
     elif number >= 0:
-        steering[agent, 0] = turned * _STEERING_SHARES[number]
-    drive_on_trial(vehicle, dt, world, agent, speed, steering)
+        own_steering[agent, 0] = turned * share_of_steering(number)
+    drive_on_trial(vehicle, dt, one, agent, own_speed, own_steering)

@@ -4,6 +4,7 @@ from hav_env.compiled import fixed, generic, kernel, lanes_from
 from hav_env.safety.commands import find_safe_commands
 from hav_env.safety.filters import ONLY_COLLISIONS, ONLY_JACKKNIFES, SafetyFilter, Unfiltered
 from hav_env.safety.keeping_apart import keep_apart
+from hav_env.safety.quick_commands import find_by_angles
 from hav_env.safety.straightening import bound_backup
 from hav_env.safety.trial_moves import (
     ASKED_SPEED,
@@ -139,5 +140,9 @@ def _keep_straight(safety, task, vehicle, world, agent, speed, steering, rows):
     if doubts > 0:
         joints = world.fleet.joints
         doubts -= settle_by_turns(joints, safety, vehicle, task.dt, world, agent, rows)
+    if doubts > 0:
+        doubts -= find_by_angles(
+            world.fleet.joints, safety, vehicle, task.dt, world, agent, speed, steering, rows
+        )
     if doubts > 0:
         find_safe_commands(safety, task, vehicle, world, agent, speed, steering, rows)
