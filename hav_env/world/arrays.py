@@ -40,7 +40,7 @@ class State(NamedTuple):
 
 
 AHEAD_SPEED, AHEAD_COSINE, AHEAD_SINE = range(3)
-FRONT_X, FRONT_Y = range(2)  # likewise, of the front end of the unit at hand [m], for boxes
+UNIT_FRONT_X, UNIT_FRONT_Y = range(2)  # while boxes are found: front end of a unit [m]
 # of a goal: pose [m, m, rad], its direction; its distance [m]; its index among the HAV's goals
 X, Y, HEADING, COSINE, SINE, DISTANCE, PHASE = range(7)
 STEP, SEED, EPISODE = range(3)  # steps done; the key of the episode
@@ -78,8 +78,7 @@ class Nearby(NamedTuple):
 
     count: Array  # (N, W)
     index: Array  # (W, N, N - 1) int16, in ascending order
-    circle: Array  # (N, 3, W) columns CENTER_X .. RADIUS [m]: in them HAVs leave the list valid;
-    # empty in small worlds
+    circle: Array  # (N, 3, W) columns CENTER_X .. RADIUS [m] of the list; empty in small worlds
     num_pairs: Array  # (W,) on the list; in small worlds scratch: a bit for each pair, then 0
     pair: Array  # (W, N (N - 1) / 2, 3) int16: the list in ascending order, columns LOWER .. CLOSE
     grid: Array  # (W, 4, B) scratch of the search, rows COLUMN .. BUCKET; empty in small swarms

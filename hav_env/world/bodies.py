@@ -8,7 +8,15 @@ import math
 
 from hav_env.compiled import fixed, generic, kernel, rare_kernel
 from hav_env.maths.geometry import nearest_on_segment, segments_intersect
-from hav_env.world.arrays import BOX_HIGH, BOX_LEFT, BOX_LOW, BOX_RIGHT, FOOTPRINT, FRONT_X, FRONT_Y
+from hav_env.world.arrays import (
+    BOX_HIGH,
+    BOX_LEFT,
+    BOX_LOW,
+    BOX_RIGHT,
+    FOOTPRINT,
+    UNIT_FRONT_X,
+    UNIT_FRONT_Y,
+)
 from hav_env.world.chain import ends_behind, front_axle
 from hav_env.world.units.joints import unit_spans
 from hav_env.world.units.parts import Lines
@@ -60,16 +68,16 @@ def enclose(world, agent):
     front = world.state.ahead
     for lane in range(world.lanes):
         x, y = front_axle(world, agent, lane)
-        front[FRONT_X, lane], front[FRONT_Y, lane] = x, y
+        front[UNIT_FRONT_X, lane], front[UNIT_FRONT_Y, lane] = x, y
         _put_box(world, agent, lane, (x, x, y, y))
     for number in range(world.units):
         unit = fixed(number)
         for lane in range(world.lanes):
-            x, y = front[FRONT_X, lane], front[FRONT_Y, lane]
+            x, y = front[UNIT_FRONT_X, lane], front[UNIT_FRONT_Y, lane]
             of_unit = unit_box(world.fleet.bodies, world, agent, unit, lane, x, y)
             _put_box(world, agent, lane, widened(box_at(world, agent, lane), of_unit))
             _, _, x, y = ends_behind(world, agent, unit, lane, x, y)
-            front[FRONT_X, lane], front[FRONT_Y, lane] = x, y
+            front[UNIT_FRONT_X, lane], front[UNIT_FRONT_Y, lane] = x, y
 
 
 @kernel
