@@ -25,7 +25,11 @@ CASES = {
     "among others": ({"num_havs": 3, "frame_skip": 2, "max_steps": 60}, (1, "avoid_jack")),
     "single precision": ({"precision": "single", "max_steps": 150}, ()),
 }
-cases = pytest.mark.parametrize(("settings", "others"), list(CASES.values()), ids=CASES)
+MARKED = {"single precision": pytest.mark.exhaustive}
+cases = pytest.mark.parametrize(
+    ("settings", "others"),
+    [pytest.param(*case, id=name, marks=MARKED.get(name, ())) for name, case in CASES.items()],
+)
 
 
 def begun(settings, others):

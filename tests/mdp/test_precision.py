@@ -108,6 +108,7 @@ def test_removed_havs_stay_apart():
     assert len(np.unique(process.batch.worlds.state.x[:, gone.all(axis=0)])) == 2
 
 
+@pytest.mark.exhaustive
 def test_hits_of_obstacles_are_those_of_a_brute_force_after_many_metres():
     """Sums of driven distances are so large by then that float32 has only 0.5 m there."""
     process, _ = begun(

@@ -97,12 +97,13 @@ def stand(batch, steps: int = 1) -> None:
 
 
 def bits(worlds, w: int = 0) -> list[bytes]:
-    """Return the bytes of everything in a world except the state of the neighbour search."""
+    """Return the bytes of a world without scratch and the state of the neighbour search."""
     world = view_of(worlds, w)
     count, index = world.nearby[:2]
     neighbors = [row[:filled] for row, filled in zip(index, count, strict=True)]
     fleet = world.fleet._replace(joints=world.fleet.joints[:2])  # without scratch
-    parts = world.state, fleet, world.goals, count, *neighbors, world.record
+    state = world.state._replace(ahead=world.state.ahead[:0])  # without scratch
+    parts = state, fleet, world.goals, count, *neighbors, world.record
     return [array.tobytes() for array in arrays_in(parts)]
 
 

@@ -48,7 +48,6 @@ def driven(vehicle, episodes, threads=1):
     for _ in range(budget(40, 6)):
         speed, steering = rng.uniform([[[0.0]], [[-0.5]]], [[[9.0]], [[0.5]]], (2, 3, MANY))
         batch.step(speed[:, episodes], steering[:, episodes])
-    batch.worlds.state.ahead[:] = 0.0  # scratch
     return batch.worlds
 
 

@@ -41,7 +41,6 @@ def driven(num_havs, episodes, threads=1, vehicle=OnAxle()):
     batch.reset(8, np.array(episodes))
     for speed, steering in actions(num_havs)[..., episodes]:
         batch.step(speed, steering)
-    batch.worlds.state.ahead[:] = 0.0  # scratch: its values depend on the longest HAV
     return batch
 
 

@@ -30,7 +30,7 @@ def commands(actions, worlds):
     return 0.5 * (share + 1.0) * limit[:, 0], turned * limit[:, 1]
 
 
-@pytest.mark.parametrize("safety", [None, "both"])
+@pytest.mark.parametrize("safety", [None, pytest.param("both", marks=pytest.mark.exhaustive)])
 def test_the_same_as_a_policy_that_proposes_the_actions(safety):
     scenario = find_scenario("dense-10")
     process = DecisionProcess(
