@@ -131,7 +131,7 @@ def _mark_close_pairs(task, world):
         marks[lane] = 0
     for number in range(num_havs):
         for second in range(number + 1, num_havs):
-            agent, other, bit = fixed(number), fixed(second), bit_of(world, number, second)
+            agent, other, bit = fixed(number), fixed(second), _bit_of(world, number, second)
             for lane in range(world.lanes):
                 near = 1 if may_touch(task, world, agent, other, lane) else 0
                 marks[lane] += bit * near
@@ -140,7 +140,7 @@ def _mark_close_pairs(task, world):
 
 
 @kernel
-def bit_of(world, agent, other):
+def _bit_of(world, agent, other):
     """Return the bit of a pair of HAVs in the marks of a small world."""
     return 1 << (agent * world.state.x.shape[0] + other)
 
@@ -151,7 +151,7 @@ def _record_marked_pairs(task, world, enclosed):
     num_havs, marks, news = world.state.x.shape[0], world.nearby.num_pairs, 0
     for number in range(num_havs):
         for second in range(number + 1, num_havs):
-            agent, other, bit = fixed(number), fixed(second), bit_of(world, number, second)
+            agent, other, bit = fixed(number), fixed(second), _bit_of(world, number, second)
             if enclosed:
                 for lane in range(world.lanes):
                     due = _may_be_news(task, world, agent, other, lane)
@@ -183,7 +183,7 @@ def _count_candidates(world):
     for lane in range(world.lanes):
         pair = world.nearby.pair[world.first + lane]
         for place in range(world.nearby.num_pairs[lane]):
-            found += pair[place, CLOSE]
+            found += 1 if pair[place, CLOSE] else 0
     return found
 
 
