@@ -15,7 +15,6 @@ from hav_env.observation.layout import FIRST_OF_ROUTE, FIRST_OF_UNITS
 from hav_env.observation.own import observe_itself
 from hav_env.observation.route import observe_route, plan_route
 from hav_env.vehicles import Limited, OffAxle, OnAxle, Rectangles, actuate, move
-from hav_env.world.bodies import enclose
 from hav_env.world.lanes import block_of
 from hav_env.world.other_havs import find_nearest_points
 from tests.support.budgets import COMPILED
@@ -59,10 +58,6 @@ def look_at_others(world, own, result):
     find_nearest_points(world, AGENT, OTHER, own.scratch.chain)
 
 
-def enclose_havs(world, own, result):
-    enclose(world, AGENT)
-
-
 @pytest.fixture(scope="module")
 def arrays():
     process = DecisionProcess(64)
@@ -94,7 +89,7 @@ def assembly(stage, *args):
         *(move_havs, observe_routes),
         *(
             pytest.param(stage, marks=pytest.mark.exhaustive)
-            for stage in (follow_commands, plan_routes, observe_havs, look_at_others, enclose_havs)
+            for stage in (follow_commands, plan_routes, observe_havs, look_at_others)
         ),
     ],
 )
@@ -117,7 +112,7 @@ def test_a_loop_that_asks_lane_by_lane_would_be_noticed(arrays):
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("stage", [move_off_axle, look_at_others, enclose_havs])
+@pytest.mark.parametrize("stage", [move_off_axle, look_at_others])
 def test_the_same_holds_for_hitches_and_rectangles(stage):
     process = DecisionProcess(64, vehicle=OffAxle(bodies=Rectangles()))
     on_one, on_vectors = instructions(
