@@ -125,7 +125,7 @@ def must_stand(safety, task, world, agent, lane, longest, rows):
         world: Block of worlds, in which the HAV is at its position after the step.
         agent: Index of the HAV.
         lane: Index of the world.
-        longest: Bound on the movement of any point of the HAV in a step [m], for every command.
+        longest: Distance [m] that no point of the HAV exceeds in a step, whatever its command.
         rows: Scratch, which keeps the HAV's position before the step.
     """
     for k in range(num_neighbors(world, agent, lane)):
