@@ -1,10 +1,11 @@
 """This module runs the workloads of the benchmark, in a process that waits for requests.
 
 ``python benchmarks/closed_loop.py`` reads JSON lists of name, threads and share, one on a line, and
-answers each with HAV-steps/s. It uses only names that every version of hav_env has. It therefore
-also measures an earlier version if that version's folder comes first on the path.
+answers each with HAV-steps/s. An earlier revision runs the same workloads by its own file of this
+name, so names in hav_env may change.
 """
 
+import contextlib
 import json
 import os
 import pathlib
@@ -38,11 +39,8 @@ class Workload(NamedTuple):
 
 
 def _trailers(count: int) -> RandomPoses:
-    limits = {"min_trailers": count, "max_trailers": count}
-    if "fleet" in RandomPoses._fields:
-        return RandomPoses(fleet=RandomPoses().fleet._replace(**limits))
-    # earlier versions, which are measured too, have no fleet of their own
-    return RandomPoses(**limits)
+    fleet = RandomPoses().fleet._replace(min_trailers=count, max_trailers=count)
+    return RandomPoses(fleet=fleet)
 
 
 WORKLOADS = {
@@ -93,17 +91,16 @@ def _step_rate(threads: int, num_steps: int, num_worlds: int = 8_200) -> float:
 
 
 class Version:
-    """A process that runs workloads with the code in a folder."""
+    """A process that runs workloads with the code in a folder, by that folder's own file."""
 
     def __init__(self, folder: str) -> None:
         """Start the process."""
-        path = os.pathsep.join([folder, str(_ROOT), os.environ.get("PYTHONPATH", "")])
         self._process = subprocess.Popen(
-            [sys.executable, __file__],
-            env=os.environ | {"PYTHONPATH": path},
+            [sys.executable, str(pathlib.Path(folder, "benchmarks", "closed_loop.py"))],
+            env=os.environ | {"PYTHONPATH": folder},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
             text=True,
         )
 
@@ -115,17 +112,27 @@ class Version:
     def ask(self, name: str, threads: int, share: float) -> None:
         """Start the measurement of ``rate`` without waiting for the answer."""
         assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps([name, threads, share]) + "\n")
-        self._process.stdin.flush()
+        with contextlib.suppress(BrokenPipeError):  # ``answer`` tells why the process has ended
+            self._process.stdin.write(json.dumps([name, threads, share]) + "\n")
+            self._process.stdin.flush()
 
     def answer(self) -> float:
-        """Return the result of the last request."""
+        """Return the result of the last request.
+
+        Raises:
+            RuntimeError: If the process has failed; the message has its last lines.
+        """
         assert self._process.stdout is not None
-        return float(self._process.stdout.readline())
+        line = self._process.stdout.readline()
+        if not line:
+            _, told = self._process.communicate()
+            raise RuntimeError("\n".join(told.splitlines()[-5:]))
+        return float(line)
 
     def close(self) -> None:
         """End the process."""
-        self._process.communicate()
+        if self._process.poll() is None:
+            self._process.communicate()
 
 
 def rate_of_both(versions: tuple[Version, Version], name: str, share: float) -> float:

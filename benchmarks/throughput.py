@@ -33,10 +33,9 @@ from benchmarks.yardsticks import limit
 from benchmarks.yardsticks.driving import check, drive_plain_python, drive_small_arrays
 from benchmarks.yardsticks.kinematics import kinematics_rate
 
-SCALAR = "8a46ef1"  # the last revision that processed one HAV at a time
+EARLIER = "9425713"  # of 2026-11-22, with which ``: earlier`` compares
 PLAIN, ARRAYS = "plain Python floats", "small NumPy arrays"
 _ROOT = pathlib.Path(__file__).parents[1]
-_SCALAR_SHARE = 0.15  # share of the work, for a version that takes so much longer
 _YARDSTICK_STEPS = 6_000
 _MIX = "the paper's mix"
 _TRAILERS = {"1 trailer": 1, "5 trailers": 5, "10 trailers": 10, _MIX: None}
@@ -47,7 +46,7 @@ class Figures(NamedTuple):
 
     closed_loop: dict[
         str, dict[str, float]
-    ]  # row -> "1 thread", "2 threads", "2 processes", "scalar"
+    ]  # row -> "1 thread", "2 threads", "2 processes", "earlier"
     limits: dict[str, dict[str, float]]  # trailers -> "kinematics", "C++ kinematics", "C++ ..."
     peers: dict[str, float]  # agent-steps/s
     first_start: float | None  # [s] to a finished experiment on an empty cache
@@ -56,9 +55,9 @@ class Figures(NamedTuple):
 
 
 @contextlib.contextmanager
-def scalar_version() -> Iterator[Version | None]:
-    """Yield the scalar revision as a running process; None if git does not have it."""
-    command = ["git", "archive", SCALAR, "hav_env", "baselines"]
+def earlier_version() -> Iterator[Version | None]:
+    """Yield the earlier revision as a running process; None if git does not have it."""
+    command = ["git", "archive", EARLIER, "hav_env", "baselines", "benchmarks"]
     try:
         archive = subprocess.run(command, cwd=_ROOT, check=True, capture_output=True).stdout
     except (OSError, subprocess.CalledProcessError):
@@ -67,6 +66,8 @@ def scalar_version() -> Iterator[Version | None]:
     with tempfile.TemporaryDirectory() as folder:
         with tarfile.open(fileobj=io.BytesIO(archive)) as files:
             files.extractall(folder, filter="data")
+        # today's package would come before a folder without this file
+        pathlib.Path(folder, "benchmarks", "__init__.py").touch()
         version = Version(folder)
         try:
             yield version
@@ -75,20 +76,19 @@ def scalar_version() -> Iterator[Version | None]:
 
 
 def measure_closed_loop(repetitions: int, share: float) -> dict[str, dict[str, float]]:
-    """Measure the workloads with this version and the scalar one, and the yardsticks."""
+    """Measure the workloads with this version and the earlier one, and the yardsticks."""
     runs: dict[tuple[str, str], Callable[[], float]] = {}
     now, beside = Version(str(_ROOT)), Version(str(_ROOT))
-    with scalar_version() as scalar:
+    with earlier_version() as earlier:
         for name in (*WORKLOADS, NO_POLICY):
             now.rate(name, 1, 0.0)  # compiles
             beside.rate(name, 1, 0.0)
             runs[name, "1 thread"] = lambda n=name: now.rate(n, 1, share)
             runs[name, "2 threads"] = lambda n=name: now.rate(n, 2, share)
             runs[name, "2 processes"] = lambda n=name: rate_of_both((now, beside), n, share)
-            if scalar:
-                scalar.rate(name, 1, 0.0)
-                less = share * _SCALAR_SHARE
-                runs[name, "scalar"] = lambda n=name, s=less: scalar.rate(n, 1, s)
+            if earlier:
+                earlier.rate(name, 1, 0.0)
+                runs[name, "earlier"] = lambda n=name: earlier.rate(n, 1, share)
         for name, drive in ((PLAIN, drive_plain_python), (ARRAYS, drive_small_arrays)):
             runs[name, "1 thread"] = lambda d=drive: _yardstick_rate(d)
         rates = by_row(medians_in_turns(runs, repetitions))
@@ -131,13 +131,13 @@ def show(figures: Figures) -> None:
     """Print the figures as tables and lines."""
     console = Console(width=110)
     plain, arrays = (figures.closed_loop[name]["1 thread"] for name in (PLAIN, ARRAYS))
-    columns = "1 thread", "2 threads", "2 : 1", "2 processes : 1", "scalar", ": scalar"
+    columns = "1 thread", "2 threads", "2 : 1", "2 processes : 1", "earlier", ": earlier"
     table = new_table("closed loop, HAV-steps/s (HAVs that wait do not count)", "what", *columns)
     for name, rates in figures.closed_loop.items():
-        one, two, scalar = (rates.get(c) for c in ("1 thread", "2 threads", "scalar"))
+        one, two, earlier = (rates.get(c) for c in ("1 thread", "2 threads", "earlier"))
         both = rates.get("2 processes")
         cells = rate_text(one), rate_text(two), ratio_text(two, one), ratio_text(both, one)
-        table.add_row(name, *cells, rate_text(scalar), ratio_text(one, scalar))
+        table.add_row(name, *cells, rate_text(earlier), ratio_text(one, earlier))
     console.print(table)
     like = figures.closed_loop[FIVE_TRAILERS]["1 thread"]
     console.print(f"{FIVE_TRAILERS}: {like / plain:.0f} x {PLAIN}, {like / arrays:.0f} x {ARRAYS}")
