@@ -29,7 +29,7 @@ from hav_env.simulator.batch import Batch, read_episodes, worlds_for
 from hav_env.simulator.guiding import Guidance
 from hav_env.simulator.transition import ended
 from hav_env.vehicles import VEHICLES, OnAxle
-from hav_env.world.arrays import FEW, PHASE
+from hav_env.world.arrays import HANDFUL, PHASE
 from hav_env.world.lanes import LANES, block_of, exchange_lanes, exchange_worlds
 from hav_env.world.place.guidance import Dubins
 from hav_env.world.task import Task
@@ -110,7 +110,7 @@ def _arrange(stage, places, memory, active):
     In large swarms, different HAVs wait in every lane, and sorting costs more than it saves. The
     same holds for policies with a large memory, because sorting moves the memory too.
     """
-    if not 1 < stage.state.x.shape[0] <= FEW or memory.shape[1] > _MUCH:
+    if not 1 < stage.state.x.shape[0] <= HANDFUL or memory.shape[1] > _MUCH:
         return
     for lane in range(active):
         chosen = lane
@@ -194,7 +194,7 @@ def _lanes(num_havs: int, much: bool, episodes: int, threads: int) -> int:
     A thread with more lanes than there are episodes left would keep other threads waiting. Large
     swarms and large memories exceed the nearest cache if a thread has many lanes.
     """
-    most = LANES if num_havs <= FEW and not much else max(VECTOR, LANES // num_havs)
+    most = LANES if num_havs <= HANDFUL and not much else max(VECTOR, LANES // num_havs)
     share = episodes if threads == 1 else max(VECTOR, -(-episodes // (_SHARES * threads)))
     return min(share, episodes, most)
 

@@ -158,7 +158,7 @@ def _record_marked_pairs(task, world, enclosed):
                     marks[lane] &= -1 if due else ~bit
             for lane in range(world.lanes):
                 if marks[lane] & bit and records(task, world.state.clock[STEP, lane]):
-                    news += _record_pair(task, world, number, second, lane, enclosed)
+                    news += _record_close_pair(task, world, number, second, lane, enclosed)
     for lane in range(world.lanes):
         marks[lane] = 0
     return news
@@ -197,32 +197,37 @@ def _record_candidates(task, world, enclosed):
         pair = world.nearby.pair[world.first + lane]
         for place in range(world.nearby.num_pairs[lane]):
             agent, other = as_place(pair[place, LOWER]), as_place(pair[place, HIGHER])
-            if pair[place, CLOSE] and (
-                not enclosed or _may_be_news(task, world, agent, other, lane)
-            ):
-                news += _record_pair(task, world, agent, other, lane, enclosed)
+            if pair[place, CLOSE]:
+                news += _record_close_pair(task, world, agent, other, lane, enclosed)
     return news
 
 
-@rare_kernel
-def _record_pair(task, world, agent, other, lane, enclosed):
-    """Record the new potential and actual collisions of two HAVs; return their number.
+@kernel
+def _record_close_pair(task, world, agent, other, lane, enclosed):
+    """Record the new collisions of two HAVs that may touch; ``enclosed``: their boxes are known.
 
-    ``enclosed`` says whether their boxes are known.
+    A call passes on every array of a world, so it comes after the quick tests.
     """
+    if not enclosed:
+        for hav in (agent, other):
+            enclose_in(world, hav, lane)
+    if not _may_be_news(task, world, agent, other, lane):
+        return 0
+    return _record_pair(task, world, agent, other, lane)
+
+
+@rare_kernel
+def _record_pair(task, world, agent, other, lane):
+    """Record the new potential and actual collisions of two HAVs; return their number."""
     first, news = world.record.first, 0
     if _is_new(first, POTENTIAL, agent, other, lane) and (
         potential_collision(task, world, agent, other, lane)
     ):
         _record_both(world, POTENTIAL, agent, other, lane)
         news += 1
-    if _is_new(first, ACTUAL, agent, other, lane):
-        if not enclosed:
-            enclose_in(world, agent, lane)
-            enclose_in(world, other, lane)
-        if _collided(task, world, agent, other, lane):
-            _record_both(world, ACTUAL, agent, other, lane)
-            news += 1
+    if _is_new(first, ACTUAL, agent, other, lane) and _collided(task, world, agent, other, lane):
+        _record_both(world, ACTUAL, agent, other, lane)
+        news += 1
     return news
 
 
