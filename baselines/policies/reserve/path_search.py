@@ -3,6 +3,8 @@
 The HAV takes the shortest candidate that it can drive, and whose first part it can reserve.
 """
 
+import math
+
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes, states
 from baselines.policies.reserve.memory.shortlist import insert
@@ -48,15 +50,18 @@ def search(policy, rows, x, y, heading, purpose, margin, most):
     count, small = 0, keeps_joints_when_wide(rows)
     if purpose == states.GOAL_PATH and rows[m.OWN_TIGHT] > 0.0:
         count = list_tight(policy, rows, most)
+    patience = policy.patience * (1.0 + _PATIENCE_GROWTH * rows[m.FAILED])
+    longest = math.inf
     for number in range(DIRECT + (sizes.WAYPOINTS if purpose == states.GOAL_PATH else 0)):
-        write_candidate(rows, number, x, y, heading)
+        write_candidate(rows, number, x, y, heading, min(most, longest))
         total = total_length(rows, m.TRIAL_PATH)
         if rows[m.TRIAL_PATH + m.NUM_SEGMENTS] > 0.0 and total < min(INFEASIBLE, most):
             count = insert(rows, count, total, _WIDE + number, sizes.LONGLIST_SIZE)
+        if count > 0:
+            # it never grows, so a candidate that is too long already will not be tried
+            longest = _LENGTH_FACTOR * rows[m.LISTED_LENGTHS] + patience
     if count == 0:
         return False
-    patience = policy.patience * (1.0 + _PATIENCE_GROWTH * rows[m.FAILED])
-    longest = _LENGTH_FACTOR * rows[m.LISTED_LENGTHS] + patience
     front = rows[m.OWN_FRONT_RADIUS]
     for k in range(count):
         if rows[m.LISTED_LENGTHS + k] > longest:
@@ -65,7 +70,7 @@ def search(policy, rows, x, y, heading, purpose, margin, most):
         if number < _WIDE:
             write_tight_path(policy, rows, number, m.TRIAL_PATH)
         else:
-            write_candidate(rows, number - _WIDE, x, y, heading)
+            write_candidate(rows, number - _WIDE, x, y, heading, math.inf)
         horizon = policy.horizon * front
         if not is_drivable(policy, rows, m.TRIAL_PATH, 0.0, purpose, horizon, margin):
             continue
