@@ -154,7 +154,7 @@ def was_near(rows, number):
     return False
 
 
-@rare_kernel
+@kernel
 def is_newcomer(rows, world, agent, k, lane):
     """Return whether a neighbour is near and was not when the neighbourhood was remembered."""
     known = was_near(rows, neighbor_id(world, agent, k, lane))
