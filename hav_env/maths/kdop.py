@@ -41,6 +41,15 @@ def include_point(rows, outline, x, y):
         sides[side] = max(sides[side], x * _COSINES[side] + y * _SINES[side])
 
 
+@kernel
+def include_both(rows, outline, ax, ay, bx, by):
+    """Include two points [m] at once: in half of the time, because one waits for the other."""
+    sides = rows[outline : outline + SIDES]
+    for side in range(SIDES):
+        both = max(ax * _COSINES[side] + ay * _SINES[side], bx * _COSINES[side] + by * _SINES[side])
+        sides[side] = max(sides[side], both)
+
+
 @rare_kernel
 def include_disc(rows, outline, x, y, radius):
     """Include a disc [m]."""
@@ -116,9 +125,12 @@ def outline_gap(rows, outline, other):
     Both are in one frame. The outlines are at least so far apart; if the gap is negative, they may
     overlap.
     """
-    half, widest = SIDES // 2, -math.inf
+    half, quarter = SIDES // 2, SIDES // 4
     sides, others = rows[outline : outline + SIDES], rows[other : other + SIDES]
-    for side in range(half):
-        widest = max(widest, -sides[side] - others[half + side])
-        widest = max(widest, -sides[half + side] - others[side])
-    return widest
+    first = second = third = fourth = -math.inf  # four, because each maximum waits for the last one
+    for side in range(quarter):
+        first = max(first, -sides[side] - others[half + side])
+        second = max(second, -sides[quarter + side] - others[half + quarter + side])
+        third = max(third, -sides[half + side] - others[side])
+        fourth = max(fourth, -sides[half + quarter + side] - others[quarter + side])
+    return max(first, second, third, fourth)

@@ -13,6 +13,7 @@ from hav_env.maths.kdop import (
     SIDES,
     clear_outline,
     corner,
+    include_both,
     include_disc,
     include_point,
     outline_gap,
@@ -52,6 +53,15 @@ def test_an_outline_holds_all_that_was_included_and_little_more(included):
     size = shapely.minimum_bounding_radius(hull)
     # no corner is farther out than where two sides meet that touch the ends of one segment
     assert shapely.hausdorff_distance(polygon, hull) <= 2 * size * math.tan(math.pi / SIDES) + 0.01
+
+
+@given(content, place, place)
+def test_two_points_are_included_as_one_after_the_other(included, a, b):
+    rows = np.concatenate([outline_of(*included)] * 2)
+    include_both(rows, 0, *a, *b)
+    include_point(rows, SIDES, *a)
+    include_point(rows, SIDES, *b)
+    assert np.array_equal(rows[:SIDES], rows[SIDES:])
 
 
 @given(content, content)

@@ -64,9 +64,13 @@ _POSSIBLY = (
 )  # share of a goal's tolerances: poses outside do not hit it, despite rounding
 
 
-@rare_kernel
+@kernel
 def act_among_others(policy, rows, memory, world, agent, lane):
-    """Return speed [m/s] and steering [rad] of the next step."""
+    """Return speed [m/s] and steering [rad] of the next step.
+
+    It is inlined, because a call copies hundreds of numbers that describe the arrays of a world,
+    and most steps do little else.
+    """
     changed = notice(policy, rows, memory, world, agent, lane)
     return drive_on(policy, rows, memory, world, agent, lane, changed)
 

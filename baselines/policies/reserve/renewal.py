@@ -4,9 +4,10 @@ import math
 
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import states
-from baselines.policies.reserve.path_search import is_drivable, reserve_next
+from baselines.policies.reserve.path_search import reserve_next
 from baselines.policies.reserve.perception.other_agents import reserved_gap, slot_at, was_near
 from baselines.policies.reserve.perception.own_state import is_due
+from baselines.policies.reserve.prediction.coarse_paths import is_drivable
 from baselines.policies.reserve.prediction.holding_circle import extend_circle
 from baselines.policies.reserve.prediction.motion import path_heading
 from baselines.policies.reserve.replanning import (

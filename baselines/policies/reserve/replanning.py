@@ -9,12 +9,12 @@ from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import states
 from baselines.policies.reserve.memory.random_numbers import PLANS, random_key
 from baselines.policies.reserve.path_search import (
-    MANY_FAILURES,
     reserve_circle_here,
     search,
     search_in_order,
 )
 from baselines.policies.reserve.perception.own_state import is_due, sensed_goal
+from baselines.policies.reserve.prediction.coarse_paths import MANY_FAILURES
 from baselines.policies.reserve.prediction.holding_circle import SHIFTS, enter_circle
 from baselines.policies.reserve.prediction.paths import copy_path, total_length
 from hav_env.compiled import kernel, rare_kernel

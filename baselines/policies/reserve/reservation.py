@@ -27,9 +27,16 @@ from baselines.policies.reserve.prediction.chain import (
     place_axles,
 )
 from baselines.policies.reserve.prediction.holding_circle import find_circle
-from baselines.policies.reserve.prediction.motion import advance_chain, sense_chain, turn_to
+from baselines.policies.reserve.prediction.motion import sense_chain, turn_to
 from baselines.policies.reserve.prediction.paths import heading_at, total_length
-from hav_env.compiled import kernel, rare_kernel
+from baselines.policies.reserve.prediction.stretches import (
+    STRETCH,
+    STRETCH_SIZE,
+    add_step,
+    begin_stretch,
+    end_stretch,
+)
+from hav_env.compiled import kernel, local_array, rare_kernel
 from hav_env.maths.geometry import wrap
 from hav_env.maths.kdop import SIDES, clear_outline, widen
 
@@ -66,22 +73,35 @@ def predict_part(policy, rows, path, driven, heading, end, stop, margin):
     place_axles(rows, 0.0, 0.0)
     clear_outline(rows, m.TRIAL_OUTLINE)
     include_axles(rows, m.TRIAL_OUTLINE)
+    chains = local_array(1, 1, STRETCH_SIZE)[0, 0]
     x, y, turned, least = 0.0, 0.0, 0.0, 1.0
-    while stop or driven + distance <= end + PATH_ROUNDING:
-        if driven > total:
-            return False, x, y, turned, driven
-        wanted = heading_at(rows, path, driven + 0.5 * distance)
-        turn = turn_to(rows, wrap(wanted - heading), 0.0, distance)
-        x, y, least = advance_chain(rows, x, y, turn, distance)
-        heading, turned, driven = heading + turn, turned + turn, driven + distance
-        if least < bound:
-            return False, x, y, turned, driven
-        move_axles(rows, x, y)
-        include_axles(rows, m.TRIAL_OUTLINE)
-        if margin >= 0.0 and not keeps_clear(rows, margin):
-            return False, x, y, turned, driven
-        if stop and hits_goal(policy, goal_x - x, goal_y - y, goal_heading - turned, SURELY):
-            break
+    # close HAVs are compared with each step before the next one
+    most, goes_on = 1 if margin >= 0.0 else STRETCH, True
+    while goes_on:
+        begin_stretch(rows, chains)
+        count = 0
+        while count < most and goes_on:
+            goes_on = stop or driven + distance <= end + PATH_ROUNDING
+            if not goes_on:
+                break
+            if driven > total:
+                return False, x, y, turned, driven
+            wanted = heading_at(rows, path, driven + 0.5 * distance)
+            turn = turn_to(rows, wrap(wanted - heading), 0.0, distance)
+            x, y, least = add_step(rows, chains, count, x, y, turn, distance)
+            heading, turned, driven = heading + turn, turned + turn, driven + distance
+            if least < bound:
+                return False, x, y, turned, driven
+            count += 1
+            goes_on = not stop or not hits_goal(
+                policy, goal_x - x, goal_y - y, goal_heading - turned, SURELY
+            )
+        end_stretch(rows, chains, count, m.TRIAL_OUTLINE)
+        if margin >= 0.0 and count > 0:
+            move_axles(rows, x, y)
+            if not keeps_clear(rows, margin):
+                return False, x, y, turned, driven
+    place_axles(rows, x, y)
     widen(rows, m.TRIAL_OUTLINE, rows[m.OWN_SAG])
     return True, x, y, turned, driven
 

@@ -18,7 +18,8 @@ from baselines.policies.reserve.prediction.trials import (
     SURVIVED,
     begin_trial,
     empty_trials,
-    measure_longest_turns,
+    measure_first_turns,
+    measure_last_turns,
     run_trials,
 )
 from baselines.policies.reserve.tight_paths import (
@@ -72,7 +73,8 @@ def act_alone(policy, rows, world, agent, lane):
 def plan_alone(policy, rows):
     """Write a path to the goal, and return whether one was found."""
     write_radii(rows)
-    measure_longest_turns(rows)
+    measure_first_turns(rows)
+    measure_last_turns(rows)
     write_endings(rows, LAST_TURN_FACTOR)
     beyond = -1.0
     for _ in range(policy.shortlists):

@@ -12,7 +12,7 @@ from baselines.policies.reserve.memory import sizes
 from baselines.policies.reserve.memory.shortlist import insert
 from baselines.policies.reserve.perception.own_state import sensed_goal
 from baselines.policies.reserve.prediction.paths import append
-from baselines.policies.reserve.prediction.trials import measure_longest_turns
+from baselines.policies.reserve.prediction.trials import measure_last_turns
 from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.arcs import circles_path, tangent_path
 from hav_env.maths.elementary import sincos
@@ -96,7 +96,7 @@ def list_shortest(policy, rows, beyond, most, stride, size):
 def measure_arcs(rows):
     """Measure the arcs of tight paths once, before the HAV writes slots into the same rows."""
     write_radii(rows)
-    measure_longest_turns(rows)
+    measure_last_turns(rows)
     write_endings(rows, 1.0)
 
 

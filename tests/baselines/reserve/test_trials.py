@@ -12,7 +12,11 @@ from baselines.policies.reserve.memory import sizes
 from baselines.policies.reserve.perception.own_state import SURELY, hits_goal
 from baselines.policies.reserve.prediction.motion import advance_chain, sense_chain, turn_to
 from baselines.policies.reserve.prediction.paths import heading_at, total_length
-from baselines.policies.reserve.prediction.trials import advance_trials, measure_longest_turns
+from baselines.policies.reserve.prediction.trials import (
+    advance_trials,
+    measure_first_turns,
+    measure_last_turns,
+)
 from baselines.policies.reserve.single_agent import plan_alone
 from baselines.policies.reserve.tight_paths import (
     AIMS,
@@ -135,7 +139,8 @@ def longest_turn(rows, side, radius):
 def test_longest_turns_are_those_of_one_chain_alone(seed):
     rows = lone(seed)
     write_radii(rows)
-    measure_longest_turns(rows)
+    measure_first_turns(rows)
+    measure_last_turns(rows)
     for first, side, bent in (
         (m.FIRST_TURNS_LEFT, 1.0, True),
         (m.FIRST_TURNS_RIGHT, -1.0, True),
@@ -181,7 +186,8 @@ def all_candidates(rows):
 def test_the_list_holds_the_shortest_candidates_in_order(seed):
     rows = lone(seed)
     write_radii(rows)
-    measure_longest_turns(rows)
+    measure_first_turns(rows)
+    measure_last_turns(rows)
     write_endings(rows, LAST_TURN_FACTOR)
     expected, beyond, listed = all_candidates(rows), -1.0, []
     for _ in range(3):
@@ -223,7 +229,8 @@ def survives(rows):
 def plan_one_by_one(rows, shortlists):
     """Plan as ``plan_alone`` does, with one candidate after another."""
     write_radii(rows)
-    measure_longest_turns(rows)
+    measure_first_turns(rows)
+    measure_last_turns(rows)
     write_endings(rows, LAST_TURN_FACTOR)
     beyond = -1.0
     for _ in range(shortlists):

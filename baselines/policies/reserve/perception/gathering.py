@@ -6,6 +6,9 @@ HAV.
 Another HAV broadcasts its outline, and the outline's frame as seen from its truck before and after
 its last step. The HAV senses the position of that truck, and derives the frame from it. A HAV
 without a reservation stands at its sensed position.
+
+The kernels are inlined: a call copies hundreds of numbers that describe the arrays of a world,
+which takes longer than most of them.
 """
 
 import math
@@ -62,7 +65,7 @@ def gather(policy, rows, memory, world, agent, lane, radius):
     rows[m.NUM_SLOTS] = count
 
 
-@rare_kernel
+@kernel
 def _frame_row(policy, memory, world, agent, k, lane):
     """Return the row of a neighbour's frame that fits its sensed pose, -1 if it stands."""
     stamp = heard(memory, world, agent, k, m.STAMP, lane) if policy.broadcast else 0.0
@@ -106,7 +109,7 @@ def _position_error(policy, reach):
     return policy.position_noise + policy.heading_noise * reach
 
 
-@rare_kernel
+@kernel
 def _least_distance(policy, rows, memory, world, agent, k, lane):
     """Return a lower bound of the distance [m] from the own truck to a neighbour's outline."""
     x, y, _, _ = _sensed_pose(policy, rows, memory, world, agent, k, lane)
@@ -115,7 +118,7 @@ def _least_distance(policy, rows, memory, world, agent, k, lane):
     return math.sqrt(x * x + y * y) - reach - _position_error(policy, reach)
 
 
-@rare_kernel
+@kernel
 def _write_slot(policy, rows, slot, memory, world, agent, k, lane):
     """Write a neighbour into a slot."""
     rows[slot + m.SLOT_NUMBER] = neighbor_id(world, agent, k, lane)
@@ -134,7 +137,7 @@ def _write_slot(policy, rows, slot, memory, world, agent, k, lane):
         widen(rows, slot + m.SLOT_BROADCAST_OUTLINE, error)
 
 
-@rare_kernel
+@kernel
 def _sensed_pose(policy, rows, memory, world, agent, k, lane):
     """Return the pose of a neighbour's truck with noise: x [m], y [m], cosine, sine."""
     x, y = neighbor_position(world, agent, k, lane)
@@ -154,7 +157,7 @@ def _sensed_pose(policy, rows, memory, world, agent, k, lane):
     return x, y, cosine, sine
 
 
-@rare_kernel
+@kernel
 def _write_reserved(policy, rows, slot, frame, memory, world, agent, k, lane):
     """Write a neighbour that has reserved an outline into a slot."""
     x, y, cosine, sine = _sensed_pose(policy, rows, memory, world, agent, k, lane)
@@ -183,7 +186,7 @@ def _write_reserved(policy, rows, slot, frame, memory, world, agent, k, lane):
     )
 
 
-@rare_kernel
+@kernel
 def _write_standing(policy, rows, slot, memory, world, agent, k, lane):
     """Write a neighbour that stands into a slot: its axles, and their outline."""
     x, y, cosine, sine = _sensed_pose(policy, rows, memory, world, agent, k, lane)

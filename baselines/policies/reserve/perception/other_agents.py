@@ -49,15 +49,25 @@ def gap_to(rows, slot, outline, enough):
 
 
 @rare_kernel
-def is_any_within(rows, x, y, radius):
-    """Return whether the bounding box of an outline in a slot is within a radius [m] of (x, y)."""
+def squared_distance(rows, x, y, only_standing):
+    """Return the least squared distance [m^2] of (x, y) from the bounding boxes of slots.
+
+    Args:
+        rows: The HAV's memory.
+        x: X of the point [m].
+        y: Y of the point [m].
+        only_standing: Whether only HAVs that stand count.
+    """
+    least = math.inf
     for number in range(int(rows[m.NUM_SLOTS])):
-        outline = slot_at(number) + m.SLOT_OUTLINE
+        slot = slot_at(number)
+        if only_standing and rows[slot + m.SLOT_KIND] != states.STANDING:
+            continue
+        outline = slot + m.SLOT_OUTLINE
         dx = max(x - rows[outline], -rows[outline + SIDES // 2] - x, 0.0)
         dy = max(y - rows[outline + SIDES // 4], -rows[outline + 3 * SIDES // 4] - y, 0.0)
-        if dx * dx + dy * dy <= radius * radius:
-            return True
-    return False
+        least = min(least, dx * dx + dy * dy)
+    return least
 
 
 @rare_kernel
@@ -144,7 +154,7 @@ def was_near(rows, number):
     return False
 
 
-@rare_kernel
+@kernel
 def is_newcomer(rows, world, agent, k, lane):
     """Return whether a neighbour is near and was not when the neighbourhood was remembered."""
     known = was_near(rows, neighbor_id(world, agent, k, lane))

@@ -26,6 +26,7 @@ _DRAWS_PER_WAYPOINT = 8  # share, spread, 2 for each normal coordinate, heading;
 # The largest standard deviation of a waypoint's place: the footprint, and
 _SPREAD_CIRCLES = 2.0  # radii of the nose's circle: enough to drive round another HAV's circle
 _SPREAD_SHARE = 0.3  # of the distance to the goal: a long path may lead farther round
+_LENGTH_ROUNDING = 1e-6  # [m] far more than the rounding of lengths
 _NEAR_GOAL_EVERY = 4  # candidates: one of these has its waypoint near the goal
 
 _PIECE_KINDS = 3  # of a piece: arc to the right, straight, arc to the left
@@ -37,10 +38,19 @@ SEQUENCES = _NUM_LENGTHS * (_PIECE_KINDS ** (_PIECES + 1) - 1) // (_PIECE_KINDS 
 
 
 @rare_kernel
-def write_candidate(rows, number, x, y, heading):
-    """Write a candidate to the pose (x, y, heading) into ``TRIAL_PATH``.
+def write_candidate(rows, number, x, y, heading, most):
+    """Write a candidate to a pose into ``TRIAL_PATH``.
 
-    The path is empty if the candidate does not exist.
+    The path is empty if the candidate does not exist, or if straight lines already show that it is
+    too long.
+
+    Args:
+        rows: The HAV's memory.
+        number: Number of the candidate.
+        x: Forward coordinate of the pose [m].
+        y: Left coordinate of the pose [m].
+        heading: Heading of the pose [rad].
+        most: Length [m] from which a candidate is too long.
     """
     rows[m.TRIAL_PATH + m.NUM_SEGMENTS] = 0.0
     radius = rows[m.OWN_CIRCLE_RADIUS]
@@ -62,8 +72,14 @@ def write_candidate(rows, number, x, y, heading):
         share, spread = 1.0, _SPREAD_CIRCLES * front
     via_x = share * x + spread * normal(seed, episode, stream, draw + 2)
     via_y = share * y + spread * normal(seed, episode, stream, draw + 4)
+    rest = math.sqrt((x - via_x) * (x - via_x) + (y - via_y) * (y - via_y))
+    # no path is shorter than a straight line, but for rounding
+    if math.sqrt(via_x * via_x + via_y * via_y) + rest > most + _LENGTH_ROUNDING:
+        return
     via_heading = TWO_PI * uniform(seed, episode, stream, draw + 6)
     word, first, middle, last = shortest_path(via_x, via_y, via_heading, radius)
+    if first + middle + last + rest > most + _LENGTH_ROUNDING:
+        return
     _append_word(rows, word, first, middle, last, radius)
     sine, cosine = sincos(via_heading)
     forward, left = into_frame(x - via_x, y - via_y, cosine, sine)

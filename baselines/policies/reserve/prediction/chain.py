@@ -41,8 +41,7 @@ def move_axles(rows, x, y):
 @rare_kernel
 def pull_axles(rows, x, y, cosine, sine):
     """Move the truck to a pose in a coarse step, and pull the axles after it like ropes."""
-    length = rows[m.OWN_LENGTHS]
-    rows[m.AXLES], rows[m.AXLES + 1] = x + length * cosine, y + length * sine
+    rows[m.AXLES], rows[m.AXLES + 1] = nose_of(rows, x, y, cosine, sine)
     rows[m.AXLES + 2], rows[m.AXLES + 3] = x, y
     for unit in range(1, int(rows[m.OWN_TRAILERS]) + 1):
         at = m.AXLES + 2 * unit + 2
@@ -50,6 +49,13 @@ def pull_axles(rows, x, y, cosine, sine):
         share = rows[m.OWN_LENGTHS + unit] / math.sqrt(dx * dx + dy * dy)
         x, y = x - share * dx, y - share * dy
         rows[at], rows[at + 1] = x, y
+
+
+@kernel
+def nose_of(rows, x, y, cosine, sine):
+    """Return the truck's front axle [m] for a pose of its rear axle: x, y [m], cosine, sine."""
+    length = rows[m.OWN_LENGTHS]
+    return x + length * cosine, y + length * sine
 
 
 @rare_kernel
@@ -74,14 +80,9 @@ def keeps_clear_of(rows, slot, margin):
 @rare_kernel
 def link_keeps_clear(rows, slot, ax, ay, bx, by, margin):
     """Return whether the segment a-b is more than a margin [m] from a slot's HAV that stands."""
-    outline = slot + m.SLOT_OUTLINE
     margin += rows[slot + m.SLOT_ERROR]
-    if (
-        min(ax, bx) > rows[outline + _RIGHT_SIDE] + margin
-        or min(ay, by) > rows[outline + _TOP_SIDE] + margin
-        or -max(ax, bx) > rows[outline + _LEFT_SIDE] + margin
-        or -max(ay, by) > rows[outline + _BOTTOM_SIDE] + margin
-    ):
+    left, bottom, right, top = min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
+    if _box_keeps_clear(rows, slot, left, bottom, right, top, margin):
         return True
     for other in range(int(rows[slot + m.SLOT_NUM_AXLES]) - 1):
         at = slot + m.SLOT_AXLES + 2 * other
@@ -103,16 +104,85 @@ def keeps_clear(rows, margin):
     """
     for number in range(int(rows[m.NUM_SLOTS])):
         slot = slot_at(number)
-        if (
-            rows[slot + m.SLOT_KIND] == states.STANDING
-            and rows[slot + m.SLOT_CLOSE] > 0.0
-            and not (
-                keeps_clear_of(rows, slot, margin + rows[m.OWN_SAG])
-                and _step_keeps_clear(rows, slot)
-            )
+        if _is_close(rows, slot) and not (
+            keeps_clear_of(rows, slot, margin + rows[m.OWN_SAG]) and _step_keeps_clear(rows, slot)
         ):
             return False
     return True
+
+
+@rare_kernel
+def truck_keeps_clear(rows, before_x, before_y, nose_x, nose_y, x, y, margin):
+    """Return whether a truck keeps a margin [m] from all close standing HAVs in a coarse step.
+
+    Args:
+        rows: The HAV's memory.
+        before_x: X of the nose before the step [m].
+        before_y: Y of the nose before the step [m].
+        nose_x: X of the nose after the step [m].
+        nose_y: Y of the nose after the step [m].
+        x: X of the rear axle after the step [m].
+        y: Y of the rear axle after the step [m].
+        margin: Margin [m].
+    """
+    right, left = max(before_x, nose_x, x), min(before_x, nose_x, x)
+    top, bottom = max(before_y, nose_y, y), min(before_y, nose_y, y)
+    for number in range(int(rows[m.NUM_SLOTS])):
+        slot = slot_at(number)
+        # outside the box of all links, each link is outside its own
+        if not _is_close(rows, slot) or _box_keeps_clear(
+            rows, slot, left, bottom, right, top, margin + rows[slot + m.SLOT_ERROR]
+        ):
+            continue
+        if not (
+            link_keeps_clear(rows, slot, before_x, before_y, nose_x, nose_y, margin)
+            and link_keeps_clear(rows, slot, nose_x, nose_y, x, y, margin)
+        ):
+            return False
+    return True
+
+
+@rare_kernel
+def trailers_keep_clear(rows, margin):
+    """Return whether all trailers keep a margin [m] from all close standing HAVs."""
+    trailers = int(rows[m.OWN_TRAILERS])
+    right = left = rows[m.AXLES + 2]
+    top = bottom = rows[m.AXLES + 3]
+    for axle in range(2, trailers + 2):
+        at = m.AXLES + 2 * axle
+        right, left = max(right, rows[at]), min(left, rows[at])
+        top, bottom = max(top, rows[at + 1]), min(bottom, rows[at + 1])
+    for number in range(int(rows[m.NUM_SLOTS])):
+        slot = slot_at(number)
+        if not _is_close(rows, slot) or _box_keeps_clear(
+            rows, slot, left, bottom, right, top, margin + rows[slot + m.SLOT_ERROR]
+        ):
+            continue
+        for axle in range(1, trailers + 1):
+            at = m.AXLES + 2 * axle
+            if not link_keeps_clear(
+                rows, slot, rows[at], rows[at + 1], rows[at + 2], rows[at + 3], margin
+            ):
+                return False
+    return True
+
+
+@kernel
+def _is_close(rows, slot):
+    """Return whether a slot's HAV stands, and was marked as close."""
+    return (rows[slot + m.SLOT_KIND] == states.STANDING) & (rows[slot + m.SLOT_CLOSE] > 0.0)
+
+
+@kernel
+def _box_keeps_clear(rows, slot, left, bottom, right, top, margin):
+    """Return whether a box [m] is more than a margin [m] from the box of a slot's outline."""
+    outline = slot + m.SLOT_OUTLINE
+    return (
+        (left > rows[outline + _RIGHT_SIDE] + margin)
+        | (bottom > rows[outline + _TOP_SIDE] + margin)
+        | (-right > rows[outline + _LEFT_SIDE] + margin)
+        | (-top > rows[outline + _BOTTOM_SIDE] + margin)
+    )
 
 
 @rare_kernel

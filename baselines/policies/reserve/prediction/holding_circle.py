@@ -7,15 +7,16 @@ import math
 
 from baselines.policies.reserve.memory import rows as m
 from baselines.policies.reserve.memory import sizes, states
-from baselines.policies.reserve.perception.other_agents import is_covered, keeps_margin, slot_at
+from baselines.policies.reserve.perception.other_agents import is_covered, keeps_margin
 from baselines.policies.reserve.prediction.chain import (
     COARSE_TURN,
     keeps_clear,
-    keeps_clear_of,
     move_axles,
-    nose_keeps_clear,
+    nose_of,
     place_axles,
     pull_axles,
+    trailers_keep_clear,
+    truck_keeps_clear,
 )
 from baselines.policies.reserve.prediction.joints import circle_keeps_joints
 from baselines.policies.reserve.prediction.motion import (
@@ -24,7 +25,7 @@ from baselines.policies.reserve.prediction.motion import (
     turn_to,
 )
 from baselines.policies.reserve.prediction.paths import append, heading_at
-from hav_env.compiled import rare_kernel
+from hav_env.compiled import kernel, rare_kernel
 from hav_env.maths.elementary import sincos
 from hav_env.maths.geometry import TWO_PI, into_frame, wrap
 from hav_env.maths.kdop import SIDES, include_disc, outside, turn_outline, widen
@@ -117,45 +118,51 @@ def circle_is_free(policy, rows, x, y, heading, side, shift, margin, exact):
 def _passes_coarsely(rows, x, y, heading, side, shift, margin):
     """Return whether the HAV passes standing HAVs, in coarse steps on the circle.
 
-    It drives straight on, and then ``_COARSE_TURNS`` times round the circle.
+    It drives straight on, and then ``_COARSE_TURNS`` times round the circle. The truck does so
+    first: it fails most often, and does not depend on its trailers.
     """
     radius = rows[m.OWN_CIRCLE_RADIUS]
     step = min(_CIRCLE_COARSE_STEP, COARSE_TURN * radius)
     straight = math.ceil(shift / step)
-    rounds = math.ceil(_COARSE_TURNS * TWO_PI * radius / step)
-    turn = side * step / radius
+    count = straight + math.ceil(_COARSE_TURNS * TWO_PI * radius / step)
+    turn, before = side * step / radius, shift / max(straight, 1)
     half, _ = sincos(0.5 * step / radius)
     chord = 2.0 * radius * half
-    for number in range(straight + rounds):
-        nose_x, nose_y = rows[m.AXLES], rows[m.AXLES + 1]
-        ahead = heading
-        length = shift / max(straight, 1)
-        if number >= straight:
-            ahead, heading, length = heading + 0.5 * turn, heading + turn, chord
-        sine, cosine = sincos(ahead)
-        x, y = x + length * cosine, y + length * sine
-        sine, cosine = sincos(heading)
+    ahead_x, ahead_y, ahead = x, y, heading
+    nose_x, nose_y = rows[m.AXLES], rows[m.AXLES + 1]
+    for number in range(count):
+        length, bend = (before, 0.0) if number < straight else (chord, turn)
+        ahead_x, ahead_y, ahead, cosine, sine = _drive_coarsely(
+            ahead_x, ahead_y, ahead, length, bend
+        )
+        last_x, last_y = nose_x, nose_y
+        nose_x, nose_y = nose_of(rows, ahead_x, ahead_y, cosine, sine)
+        if not truck_keeps_clear(rows, last_x, last_y, nose_x, nose_y, ahead_x, ahead_y, margin):
+            return False
+    for number in range(count):
+        length, bend = (before, 0.0) if number < straight else (chord, turn)
+        x, y, heading, cosine, sine = _drive_coarsely(x, y, heading, length, bend)
         pull_axles(rows, x, y, cosine, sine)
-        if not _coarse_step_keeps_clear(rows, nose_x, nose_y, margin):
+        if not trailers_keep_clear(rows, margin):
             return False
     return True
 
 
-@rare_kernel
-def _coarse_step_keeps_clear(rows, nose_x, nose_y, margin):
-    """Return whether the axles, and the nose on its way from an earlier position, keep clear."""
-    for number in range(int(rows[m.NUM_SLOTS])):
-        slot = slot_at(number)
-        if (
-            rows[slot + m.SLOT_KIND] == states.STANDING
-            and rows[slot + m.SLOT_CLOSE] > 0.0
-            and not (
-                nose_keeps_clear(rows, slot, nose_x, nose_y, margin)
-                and keeps_clear_of(rows, slot, margin)
-            )
-        ):
-            return False
-    return True
+@kernel
+def _drive_coarsely(x, y, heading, length, turn):
+    """Return a truck's pose after a coarse step: x, y [m], heading [rad], its cosine and sine.
+
+    Args:
+        x: X of the truck before the step [m].
+        y: Y of the truck before the step [m].
+        heading: Heading of the truck before the step [rad].
+        length: Length of the step [m], straight ahead after half of the turn.
+        turn: Turn of the truck in the step [rad].
+    """
+    sine, cosine = sincos(heading + 0.5 * turn)
+    x, y = x + length * cosine, y + length * sine
+    sine, cosine = sincos(heading + turn)
+    return x, y, heading + turn, cosine, sine
 
 
 @rare_kernel

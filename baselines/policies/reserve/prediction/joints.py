@@ -12,11 +12,14 @@ from baselines.policies.reserve.memory import sizes
 from baselines.policies.reserve.perception.own_state import SURELY, hits_goal, sensed_goal
 from baselines.policies.reserve.prediction.motion import advance_chain, sense_chain, turn_to
 from hav_env.compiled import kernel, rare_kernel
-from hav_env.maths.geometry import TWO_PI, into_frame
+from hav_env.maths.elementary import sincos
+from hav_env.maths.geometry import TWO_PI, into_frame, point_segment_squared, wrap
 
 _BOX_ROOM = 1.01  # radius of the circle over that of the limit values: the chain closes in on them
 _STRAIGHT = 1.0 - 1e-6  # cosine of an articulation that is straight but for 1.4 mrad
 _NEAR_END = 2.0  # [m] before the end of a straight, from where every step of it is predicted
+_ROUGHLY = 1e-5  # [m], [rad] beyond a goal's tolerances: not hit, despite rounding
+_SAME_PLACE = 1e-6  # [m] along a path: far more than the rounding of the distance driven
 _LOOK_EVERY = 8  # steps from one comparison with the limit values to the next
 
 
@@ -80,6 +83,8 @@ def path_keeps_joints(policy, rows, path, to_goal):
         path: First row of the path.
         to_goal: Whether the path must hit the goal. Behind the last goal the joints do not matter.
     """
+    if to_goal and not _may_hit(policy, rows, path):
+        return False
     goal_x, goal_y, goal_heading = sensed_goal(rows)
     sense_chain(rows)
     distance, bound = rows[m.OWN_STEP], rows[m.OWN_LEAST_COSINE]
@@ -107,6 +112,38 @@ def path_keeps_joints(policy, rows, path, to_goal):
     if to_goal and (not hit or rows[m.OWN_GOALS_LEFT] == 1.0):
         return hit
     return circle_keeps_joints(rows, 1.0, 0.0) or circle_keeps_joints(rows, -1.0, 0.0)
+
+
+@rare_kernel
+def _may_hit(policy, rows, path):
+    """Return whether the truck may hit the goal on a path. The trailers do not matter.
+
+    The truck drives as in ``path_keeps_joints``, but skips straights, except near the goal. Its
+    poses therefore differ by rounding: by far less than ``_ROUGHLY``, which the tolerances exceed.
+    """
+    goal_x, goal_y, goal_heading = sensed_goal(rows)
+    distance, near = rows[m.OWN_STEP], policy.distance_tolerance + _ROUGHLY
+    aligned = policy.heading_tolerance + _ROUGHLY
+    x, y, driven, heading, begin, ahead = 0.0, 0.0, 0.5 * distance, 0.0, 0.0, 0.0
+    for segment in range(int(rows[path + m.NUM_SEGMENTS])):
+        curvature, end = rows[path + m.CURVATURES + segment], rows[path + m.LENGTHS + segment]
+        end += begin
+        # rounding may add a step at the end, where the next segment wants the same heading
+        while driven <= end + _SAME_PLACE:
+            turn = turn_to(rows, ahead + curvature * (driven - begin), heading, distance)
+            heading, driven = heading + turn, driven + distance
+            sine, cosine = sincos(heading)
+            x, y = x + distance * cosine, y + distance * sine
+            dx, dy = goal_x - x, goal_y - y
+            if dx * dx + dy * dy < near * near and abs(wrap(goal_heading - heading)) < aligned:
+                return True
+            if curvature == 0.0 and turn == 0.0 and driven < end - _NEAR_END:
+                skipped = distance * math.floor((end - _NEAR_END - driven) / distance)
+                then_x, then_y = x + skipped * cosine, y + skipped * sine
+                if point_segment_squared(goal_x, goal_y, x, y, then_x, then_y) > near * near:
+                    driven, x, y = driven + skipped, then_x, then_y
+        ahead, begin = ahead + curvature * (end - begin), end
+    return False
 
 
 @rare_kernel

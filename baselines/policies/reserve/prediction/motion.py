@@ -27,12 +27,21 @@ def sense_chain(rows):
         rows[m.PREDICTED_CHAIN + 2 * joint], rows[m.PREDICTED_CHAIN + 2 * joint + 1] = cosine, sine
 
 
-@rare_kernel
+@kernel
 def advance_chain(rows, x, y, turn, distance):
-    """Move the predicted chain by one step of the simulation, with ``OnAxle()``'s Euler method.
+    """Move the predicted chain by one step: ``advance_into`` of ``PREDICTED_CHAIN`` itself."""
+    return advance_into(rows, rows, m.PREDICTED_CHAIN, m.PREDICTED_CHAIN, x, y, turn, distance)
+
+
+@rare_kernel
+def advance_into(rows, chains, before, after, x, y, turn, distance):
+    """Move a chain by one step of the simulation, with ``OnAxle()``'s Euler method.
 
     Args:
-        rows: The HAV's memory, which holds the chain.
+        rows: The HAV's memory.
+        chains: Array that holds the chain: cosine and sine of each unit's heading.
+        before: Index of its first row before the step.
+        after: Index of its first row after the step, which may be the same.
         x: X of the truck's rear axle before the step [m].
         y: Y of the truck's rear axle before the step [m].
         turn: Turn of the truck in the step [rad].
@@ -43,20 +52,20 @@ def advance_chain(rows, x, y, turn, distance):
         if a joint may have folded through, which the cosine alone does not show.
     """
     sine, cosine = sincos(turn)
-    before_cosine, before_sine = rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1]
+    before_cosine, before_sine = chains[before], chains[before + 1]
     ahead_cosine = before_cosine * cosine - before_sine * sine
     ahead_sine = before_sine * cosine + before_cosine * sine
-    rows[m.PREDICTED_CHAIN], rows[m.PREDICTED_CHAIN + 1] = ahead_cosine, ahead_sine
+    chains[after], chains[after + 1] = ahead_cosine, ahead_sine
     x, y = x + distance * ahead_cosine, y + distance * ahead_sine
     pull, least = distance, 1.0
     for unit in range(1, int(rows[m.OWN_TRAILERS]) + 1):
-        at = m.PREDICTED_CHAIN + 2 * unit
+        at, then = before + 2 * unit, after + 2 * unit
         ahead_cosine, ahead_sine, pull, turn, least = pull_unit(
-            *(ahead_cosine, ahead_sine, rows[at], rows[at + 1], pull, turn, least),
+            *(ahead_cosine, ahead_sine, chains[at], chains[at + 1], pull, turn, least),
             *(rows[m.OWN_LENGTHS + unit], rows[m.OWN_FOLD_TURN]),
             turns_little(rows, unit, distance),
         )
-        rows[at], rows[at + 1] = ahead_cosine, ahead_sine
+        chains[then], chains[then + 1] = ahead_cosine, ahead_sine
     return x, y, least
 
 

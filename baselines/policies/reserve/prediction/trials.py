@@ -83,16 +83,21 @@ def _begin_trial(rows, lane):
 
 
 @rare_kernel
-def measure_longest_turns(rows):
-    """Measure the longest arc of each radius: from here, and from a straight chain.
+def measure_first_turns(rows):
+    """Measure the longest arc of each radius from here: as long as every joint keeps its limit.
 
-    An arc is as long as every articulation stays allowed, up to a whole turn.
+    A whole turn is the longest.
     """
     sense_chain(rows)
     _measure_turns(rows)
     for number in range(TURN_RADII):
         rows[m.FIRST_TURNS_LEFT + number] = rows[m.TRIAL_HEADING + number]
         rows[m.FIRST_TURNS_RIGHT + number] = rows[m.TRIAL_HEADING + TURN_RADII + number]
+
+
+@rare_kernel
+def measure_last_turns(rows):
+    """Measure the longest arc of each radius from a straight chain, unless it is known."""
     if rows[m.LAST_TURNS] > 0.0:
         return
     for unit in range(int(rows[m.OWN_TRAILERS]) + 1):
