@@ -33,7 +33,10 @@ def unit_box(bodies, world, agent, unit, lane, x, y):
 
 @generic
 def bodies_meet(bodies, world, agent, other, lane):
-    """Return whether the bodies of two HAVs have a point in common: an exact but slow test."""
+    """Return whether the bodies of two HAVs have a point in common: an exact but slow test.
+
+    ``enclose`` or ``enclose_in`` must have found the box of the second one.
+    """
 
 
 @generic
@@ -116,7 +119,7 @@ def _lines_meet(bodies, world, agent, other, lane):
 @rare_kernel
 def _chains_meet(world, agent, other, lane):
     ax, ay = front_axle(world, agent, lane)
-    box = find_box(world.fleet.bodies, world, other, lane)
+    box = box_at(world, other, lane)
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
         bx, by, next_x, next_y = ends_behind(world, agent, unit, lane, ax, ay)
         if not boxes_overlap((min(ax, bx), max(ax, bx), min(ay, by), max(ay, by)), box):

@@ -14,8 +14,8 @@ from hav_env.maths.rectangles import (
 )
 from hav_env.world.bodies import (
     bodies_meet,
+    box_at,
     boxes_overlap,
-    find_box,
     front_end,
     nearest_on_bodies,
     reach_of,
@@ -55,7 +55,7 @@ def _rectangles_meet(bodies, world, agent, other, lane):
 @rare_kernel
 def _any_rectangles_meet(bodies, world, agent, other, lane):
     x, y = front_axle(world, agent, lane)
-    box = find_box(bodies, world, other, lane)
+    box = box_at(world, other, lane)
     for unit in range(world.fleet.num_trailers[agent, lane] + 1):
         own = rectangle_of(bodies, world, agent, unit, lane, x, y)
         near = boxes_overlap(rectangle_box(own), box)

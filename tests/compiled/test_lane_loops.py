@@ -6,7 +6,7 @@ import re
 import numba
 import pytest
 
-from hav_env.compiled import kernel, like
+from hav_env.compiled import fixed, kernel, like
 from hav_env.compiled.entries import _signature
 from hav_env.compiled.kernels import ENTERED
 from hav_env.mdp.buffers import buffers_from, outcome_from
@@ -15,6 +15,7 @@ from hav_env.observation.layout import FIRST_OF_ROUTE, FIRST_OF_UNITS
 from hav_env.observation.own import observe_itself
 from hav_env.observation.route import observe_route, plan_route
 from hav_env.vehicles import Limited, OffAxle, OnAxle, Rectangles, actuate, move
+from hav_env.world.bodies import enclose
 from hav_env.world.lanes import block_of
 from hav_env.world.other_havs import find_nearest_points
 from tests.support.budgets import COMPILED
@@ -52,6 +53,10 @@ def observe_routes(world, own, result):
 
 def observe_havs(world, own, result):
     observe_itself(world, AGENT, own.scratch, own.columns, FIRST_OF_UNITS)
+
+
+def enclose_a_hav(world, own, result):
+    enclose(world, fixed(AGENT))
 
 
 def look_at_others(world, own, result):
@@ -120,6 +125,16 @@ def test_the_same_holds_for_hitches_and_rectangles(stage):
     )
     assert on_vectors > 10
     assert on_one <= 1.25 * on_vectors, (on_one, on_vectors)
+
+
+@pytest.mark.parametrize("vehicle", [VEHICLE, OffAxle(bodies=Rectangles())])
+def test_boxes_are_found_on_vectors(vehicle):
+    """The lanes left over of the short loop before the units are unrolled: 8 instructions more."""
+    process = DecisionProcess(64, vehicle=vehicle)
+    args = process.batch.worlds, process._buffers, process.outcome()
+    on_one, on_vectors = instructions(enclose_a_hav, *args)
+    assert on_vectors > 10
+    assert on_one <= 1.25 * on_vectors + 8, (on_one, on_vectors)
 
 
 def test_worlds_in_single_precision_are_moved_without_doubles(arrays):

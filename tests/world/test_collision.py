@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hav_env import Batch, RandomFleet, RandomPoses, Task
 from hav_env.maths.geometry import segments_intersect
 from hav_env.world.arrays import ACTUAL, FOOTPRINT, POTENTIAL, WHEN, WHERE
-from hav_env.world.bodies import bodies_meet
+from hav_env.world.bodies import bodies_meet, enclose
 from hav_env.world.units.parts import Lines
 from tests.support.budgets import budget
 from tests.support.worlds import chain, open_plane, put, stand
@@ -117,6 +117,7 @@ def test_havs_on_a_grid_collide_exactly_when_shapely_says_so():
             chains.append(np.concatenate([[place + steps[0], place], behind]))
         expected.append(touch(*chains))
     assert 0.1 < np.mean(expected) < 0.9
+    enclose(batch.worlds, 1)
     assert [bodies_meet(Lines(), batch.worlds, 0, 1, w) for w in range(count)] == expected
 
 

@@ -67,6 +67,7 @@ def test_they_collide_exactly_when_shapely_says_so(pairs):
     bodies = worlds.fleet.bodies
     expected = shapely.intersects(shapes[:, 0], shapes[:, 1])
     assert 0.1 < expected.mean() < 0.9
+    enclose(worlds, 1)
     meet = [bodies_meet(bodies, worlds, 0, 1, w) for w in range(len(shapes))]
     assert meet == expected.tolist()
     near = [
@@ -117,7 +118,10 @@ def test_without_width_and_overhangs_they_are_the_lines():
             put(worlds, lengths, *rng.uniform(-8, 8, 2), headings, w=w, agent=agent)
     lines = worlds._replace(fleet=worlds.fleet._replace(bodies=Lines()))
     kinds = (worlds.fleet.bodies, worlds), (Lines(), lines)
-    found = [[bodies_meet(bodies, them, 0, 1, w) for w in range(count)] for bodies, them in kinds]
+    found = []
+    for bodies, them in kinds:
+        enclose(them, 1)
+        found.append([bodies_meet(bodies, them, 0, 1, w) for w in range(count)])
     assert 0.1 < np.mean(found[0]) < 0.9
     differ = np.flatnonzero(np.array(found[0]) != np.array(found[1]))
     assert len(differ) <= count / 10_000  # those that just touch, by rounding
