@@ -1,6 +1,5 @@
 """This module steps one world for environments: resets, their options, rendering."""
 
-import copy
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -14,8 +13,15 @@ from hav_env.mdp.one_world import OneWorld
 from hav_env.scenarios import Explicit, explicit
 from hav_env.scenarios.clearance import site_in
 from hav_env.scenarios.given_vehicles import bends_in, vehicle_in
-from hav_env.simulator.batch import begin_worlds, check_parts, check_placed, check_seed
+from hav_env.simulator.batch import (
+    begin_worlds,
+    check_parts,
+    check_placed,
+    check_seed,
+    worlds_for,
+)
 from hav_env.simulator.beginning import begin
+from hav_env.simulator.single_precision import check_near_origin
 from hav_env.world.arrays import ARTICULATION, SEED, SPEED, STEERING
 
 _HERE = np.ones(1, np.bool_)
@@ -164,8 +170,9 @@ class SingleWorld:
     def _write(self, written: dict[str, Any], key: tuple[int, int]) -> Explicit:
         """Return the episode with other lengths, start poses or goals."""
         batch, scenario = self.process.batch, self.process.batch.scenario
-        # draw the episode in a copy: the world must not change before all checks have passed
-        worlds, placed = copy.deepcopy(batch.worlds), np.zeros(1, np.bool_)
+        # draw the episode in other arrays: the world must not change before all checks have passed,
+        # and other episodes are drawn in double precision too
+        worlds, placed = worlds_for(batch, 1), np.zeros(1, np.bool_)
         worlds.state.clock[SEED:, 0] = key
         begin_worlds(1, scenario, batch.task, worlds, placed, threads=1)
         check_placed(placed, scenario)
@@ -195,6 +202,8 @@ class SingleWorld:
                 f" space for {scenario.max_trailers}"
             )
         check_parts(found, batch.task, batch.vehicle)
+        if self.process.precision == "single":
+            check_near_origin(found)
         return found
 
 

@@ -201,8 +201,8 @@ class DecisionProcess:
             outcome: Outcome to write for the chosen worlds: no reward, no end; infos if ``always``.
 
         Raises:
-            PlacementError: If the scenario cannot place the HAVs of a world; that world then has no
-                episode.
+            PlacementError: If the scenario cannot place HAVs of a world; it then has no episode.
+            ValueError: See ``Batch.check_places``; no chosen world then has an episode.
         """
         places = np.flatnonzero(chosen) if chosen.dtype == np.bool_ else chosen
         placed = np.zeros(places.size, np.bool_)
@@ -216,6 +216,7 @@ class DecisionProcess:
         args = *constant, outcome, taken, places, *keys, self.always, placed
         try:
             self._run(begin_episodes, places.size, args)
+            self.batch.check_places(places, placed)
         finally:  # an interrupt is raised after all worlds are done
             self.begun[places] = placed
             self.all_begun = np.count_nonzero(self.begun) == self.num_worlds
