@@ -184,7 +184,7 @@ class _WorldsVectorEnv(VectorEnv):
         """Return the seed of each world, None where its next episode follows."""
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, list | tuple | np.ndarray):
+        if isinstance(seed, list | tuple) or np.ndim(seed) > 0:
             seeds = list(seed)
             if len(seeds) != self.num_envs:
                 raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} worlds")

@@ -112,13 +112,14 @@ class SingleWorld:
 
         Args:
             seed: Select the first episode of this seed; None selects the one after the last.
-            options: "episode": number of the episode. "lengths", "start", "goals": values that
-                replace those of the scenario, as for ``explicit``. Others are ignored, with a
+            options: "episode": number of the episode. "lengths", "start", "goals", "bends": values
+                that replace those of the scenario, as for ``explicit``. Others are ignored, with a
                 warning.
             generator: Draws the seed if the user never passed one.
 
         Raises:
-            ValueError, TypeError: If the seed or an option is invalid; the message names it.
+            ValueError, TypeError: If the seed or an option is invalid; the message names it. Also
+                if the last episode was the last one of its seed, and there is no new seed.
             PlacementError: If the scenario cannot place the HAVs that the options do not place.
         """
         if seed is not None:
@@ -132,6 +133,10 @@ class SingleWorld:
             if self._key is None:
                 self._key = int(generator.integers(SEED_LIMIT)), -1
             key = self._key[0], self._key[1] + 1
+            if key[1] == SEED_LIMIT and "episode" not in given:
+                raise ValueError(
+                    f"reset needs a seed: the last episode of seed {key[0]} was {SEED_LIMIT - 1}"
+                )
         if "episode" in given:
             key = key[0], read_episode(given["episode"])
         written = {name: given[name] for name in _WRITABLE if name in given}

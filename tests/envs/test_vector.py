@@ -266,6 +266,7 @@ def test_an_autoreset_without_room_asks_for_a_reset(mode):
         ({"seed": {1, 2, 3}}, (TypeError, ValueError), "seed is"),
         ({"seed": 1.5}, (TypeError, ValueError), "seed is 1.5"),
         ({"seed": "123"}, (TypeError, ValueError), "seed is"),
+        ({"seed": np.array(3)}, TypeError, "seed is 3, a ndarray and not a whole number"),
     ],
 )
 def test_a_refused_reset_changes_nothing(arguments, kind, message):
