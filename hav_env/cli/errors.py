@@ -1,5 +1,6 @@
 """This module runs commands, reports errors in one line, and returns the exit code."""
 
+import io
 import os
 import sys
 from collections.abc import Callable
@@ -23,6 +24,7 @@ def report_errors(
     Returns:
         The exit code: 0, 2 after an error, 130 after Ctrl-C.
     """
+    _replace_unknown_characters()
     try:
         run(sys.argv[1:] if words is None else words)
     except BrokenPipeError:  # the reader of the pipe has closed it
@@ -39,3 +41,13 @@ def report_errors(
             print(f"interrupted: {interrupted}", file=sys.stderr)
         return 130
     return 0
+
+
+def _replace_unknown_characters() -> None:
+    """Let the output show ? for characters that its encoding lacks, such as the rule of a table.
+
+    The error of Python would come after all episodes, and the table would be lost.
+    """
+    out = sys.stdout
+    if isinstance(out, io.TextIOWrapper) and out.errors in ("strict", "surrogateescape"):
+        out.reconfigure(errors="replace")

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from hav_env.envs.reset_options import warn_of_unknown
+from hav_env.envs.reset_options import check_left_out, warn_of_unknown
 from hav_env.envs.screen import RENDER_FPS, Screen
 from hav_env.envs.views import EgoView, JointView, Team
 from hav_env.maths.random_numbers import SEED_LIMIT
@@ -68,12 +68,14 @@ class _WorldsVectorEnv(VectorEnv):
                 None it continues with the next episode. World w of seed s equals world w - 1 of
                 seed s + 1. For different episodes in every run, use seeds that are ``num_envs``
                 apart, or a list.
-            options: "reset_mask", (W,) bool: the worlds to reset; the others continue.
+            options: "reset_mask", (W,) bool: the worlds to reset; the others continue. The first
+                reset begins all worlds.
 
         Raises:
             ValueError, TypeError: If the seed or an option is invalid; the message names it.
         """
         chosen, seeds = self._chosen(options), self._read_seeds(seed)
+        check_left_out("reset_mask", chosen, self._process.begun)
         super().reset(seed=int(seed) if isinstance(seed, numbers.Integral) else None)
         self._set_keys(seeds, chosen)
         outcome = self._process.outcome()
@@ -182,7 +184,7 @@ class _WorldsVectorEnv(VectorEnv):
         """Return the seed of each world, None where its next episode follows."""
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, list | tuple | np.ndarray):
+        if isinstance(seed, list | tuple) or np.ndim(seed) > 0:
             seeds = list(seed)
             if len(seeds) != self.num_envs:
                 raise ValueError(f"{len(seeds)} seeds were given for {self.num_envs} worlds")

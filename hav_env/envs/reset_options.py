@@ -4,6 +4,8 @@ import warnings
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from hav_env.maths.random_numbers import Seed
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_value
@@ -40,3 +42,22 @@ def read_episode(episode: Any) -> int:
     """
     check_value("episode", Seed, episode)
     return int(episode)
+
+
+def check_left_out(name: str, chosen: np.ndarray, begun: np.ndarray) -> None:
+    """Check that every world that a reset leaves out has an episode.
+
+    Args:
+        name: Name of the mask, for the message.
+        chosen: (W,) bool, the mask: worlds to reset.
+        begun: (W,) bool, worlds that have an episode.
+
+    Raises:
+        ValueError: If a world without an episode is left out.
+    """
+    missing = np.flatnonzero(~(chosen | begun)).tolist()
+    if missing:
+        raise ValueError(
+            f"{name} is false for world {missing[0]}, but must be true for all worlds without an"
+            " episode: the first reset begins all worlds"
+        )

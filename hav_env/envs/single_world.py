@@ -1,6 +1,5 @@
 """This module steps one world for environments: resets, their options, rendering."""
 
-import copy
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -14,8 +13,15 @@ from hav_env.mdp.one_world import OneWorld
 from hav_env.scenarios import Explicit, explicit
 from hav_env.scenarios.clearance import site_in
 from hav_env.scenarios.given_vehicles import bends_in, vehicle_in
-from hav_env.simulator.batch import begin_worlds, check_parts, check_placed, check_seed
+from hav_env.simulator.batch import (
+    begin_worlds,
+    check_parts,
+    check_placed,
+    check_seed,
+    worlds_for,
+)
 from hav_env.simulator.beginning import begin
+from hav_env.simulator.single_precision import check_near_origin
 from hav_env.world.arrays import ARTICULATION, SEED, SPEED, STEERING
 
 _HERE = np.ones(1, np.bool_)
@@ -106,13 +112,14 @@ class SingleWorld:
 
         Args:
             seed: Select the first episode of this seed; None selects the one after the last.
-            options: "episode": number of the episode. "lengths", "start", "goals": values that
-                replace those of the scenario, as for ``explicit``. Others are ignored, with a
+            options: "episode": number of the episode. "lengths", "start", "goals", "bends": values
+                that replace those of the scenario, as for ``explicit``. Others are ignored, with a
                 warning.
             generator: Draws the seed if the user never passed one.
 
         Raises:
-            ValueError, TypeError: If the seed or an option is invalid; the message names it.
+            ValueError, TypeError: If the seed or an option is invalid; the message names it. Also
+                if the last episode was the last one of its seed, and there is no new seed.
             PlacementError: If the scenario cannot place the HAVs that the options do not place.
         """
         if seed is not None:
@@ -126,6 +133,10 @@ class SingleWorld:
             if self._key is None:
                 self._key = int(generator.integers(SEED_LIMIT)), -1
             key = self._key[0], self._key[1] + 1
+            if key[1] == SEED_LIMIT and "episode" not in given:
+                raise ValueError(
+                    f"reset needs a seed: the last episode of seed {key[0]} was {SEED_LIMIT - 1}"
+                )
         if "episode" in given:
             key = key[0], read_episode(given["episode"])
         written = {name: given[name] for name in _WRITABLE if name in given}
@@ -164,8 +175,9 @@ class SingleWorld:
     def _write(self, written: dict[str, Any], key: tuple[int, int]) -> Explicit:
         """Return the episode with other lengths, start poses or goals."""
         batch, scenario = self.process.batch, self.process.batch.scenario
-        # draw the episode in a copy: the world must not change before all checks have passed
-        worlds, placed = copy.deepcopy(batch.worlds), np.zeros(1, np.bool_)
+        # draw the episode in other arrays: the world must not change before all checks have passed,
+        # and other episodes are drawn in double precision too
+        worlds, placed = worlds_for(batch, 1), np.zeros(1, np.bool_)
         worlds.state.clock[SEED:, 0] = key
         begin_worlds(1, scenario, batch.task, worlds, placed, threads=1)
         check_placed(placed, scenario)
@@ -195,6 +207,8 @@ class SingleWorld:
                 f" space for {scenario.max_trailers}"
             )
         check_parts(found, batch.task, batch.vehicle)
+        if self.process.precision == "single":
+            check_near_origin(found)
         return found
 
 

@@ -7,6 +7,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from hav_env.envs.reset_options import check_left_out
 from hav_env.envs.views import observation_box
 from hav_env.maths.random_numbers import SEED_LIMIT
 from hav_env.mdp.actions import take_actions
@@ -118,12 +119,17 @@ class TorchRLEnv(EnvBase):
         self._fresh[:] = True
 
     def _reset(self, tensordict: TensorDictBase | None = None, **kwargs: Any) -> TensorDictBase:
-        """Begin episodes in all worlds, or in those that ``_reset`` selects."""
+        """Begin episodes in all worlds, or in those that ``_reset`` selects.
+
+        Raises:
+            ValueError: If the first reset leaves out a world.
+        """
         worlds = self.process.num_worlds
         chosen = np.ones(worlds, np.bool_)
         mask = None if tensordict is None else tensordict.get("_reset", None)
         if mask is not None:
             chosen = mask.reshape(worlds).cpu().numpy().copy()
+        check_left_out("_reset", chosen, self.process.begun)
         anew = chosen & self._fresh
         self._keys[1, chosen] += 1
         self._keys[1, anew], self._keys[0, anew] = 0, self._seeds[anew]

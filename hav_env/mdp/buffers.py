@@ -93,7 +93,7 @@ def allocate_buffers(
         zeros((2, n, w), np.float64),
         zeros((c, w), np.float64),
         zeros((c, BEFORE_SIZE, w), np.float64),
-        zeros((num_terms, c, w), np.float64),
+        np.zeros((num_terms, c, w)),  # sums of many steps, in float32 they drift
         zeros((slots, num_terms, c, min(w, APART)), np.float64),
         zeros((slots, num_columns, APART), np.float32),
         Scratch(

@@ -62,6 +62,7 @@ class DecisionProcess:
         columns: Names of the columns of an observation.
         info: Names of the infos of each HAV.
         always: Whether every action reports on every world, or only on worlds whose episodes end.
+        begun: (W,) bool, worlds that have an episode.
     """
 
     def __init__(
@@ -138,24 +139,23 @@ class DecisionProcess:
         check_guarded(self._guard, c, n, precision)
         filtered = not isinstance(self._guard, Unfiltered)
         self.info = name_numbers(reward, segments_of(scenario) > 0, filtered)
-        size = outcome_size(c, len(self.columns), len(self.info))
-        check_memory("num_worlds", w, (self.batch.bytes_per_world + size) * w)
+        size = self.batch.bytes_per_world + outcome_size(c, len(self.columns), len(self.info))
+        check_memory("num_worlds", w, size * w)
         driver = None if others is None else PolicyDriver(others, self.batch, c)
         self.driver = driver if c < n else None  # the learner controls all HAVs
         self._reward = canonical(reward)
-        trial_rows = scratch_rows(self._guard, self.batch.worlds.units)
-        sizes = n, c, len(reward), len(self.columns), trial_rows
+        rows = scratch_rows(self._guard, self.batch.worlds.units)
+        sizes = n, c, len(reward), len(self.columns), rows
         buffers = allocate_buffers(w, *sizes, -(-w // VECTOR), precision)
         self._buffers = buffers._replace(memory=memory_behind(self._guard, n, w))
         self._compiled: dict[str, Any] = {}  # compiled entries by name
         self.held: tuple[Held, ...] = ()  # see ``hold``; made at first use
         layout = outcome_layout(w, c, len(self.columns), len(self.info))
-        # small arrays are allocated separately, so users can keep them without the large ones
+        # small arrays are allocated apart, so users can keep them without the large ones
         self._recycler, self._small = Recycler(layout[:2]), layout[2:]
         self._no_actions = Actions(np.empty((0, c, 2), np.float32), np.empty((0, c, 2)))
         self.report(info == "always")
-        self._begun = np.zeros(w, np.bool_)  # worlds that have an episode
-        self.all_begun = False
+        self.begun, self.all_begun = np.zeros(w, np.bool_), False
         self._threads = min(threads or default_threads(), max(1, c * w // _HAVS_PER_THREAD))
         stage = allocate_stage(self.batch, self._threads, sizes, len(self.info))
         arrays = self.batch.worlds, self._buffers, stage
@@ -201,31 +201,32 @@ class DecisionProcess:
             outcome: Outcome to write for the chosen worlds: no reward, no end; infos if ``always``.
 
         Raises:
-            PlacementError: If the scenario cannot place the HAVs of a world; that world then has no
-                episode.
+            PlacementError: If the scenario cannot place HAVs of a world; it then has no episode.
+            ValueError: See ``Batch.check_places``; no chosen world then has an episode.
         """
         places = np.flatnonzero(chosen) if chosen.dtype == np.bool_ else chosen
         placed = np.zeros(places.size, np.bool_)
-        self._begun[places] = self.all_begun = False
+        self.begun[places] = self.all_begun = False
         if self.driver is not None:
             self.driver.forget(places)
         if self._buffers.memory.size:
             self._buffers.memory[..., places] = 0.0
         keys = (np.ascontiguousarray(numbers, np.int64) for numbers in (seeds, episodes))
-        constant, parts_taken = (self.batch.scenario, self._beginning), np.zeros(1, np.int64)
-        args = *constant, outcome, parts_taken, places, *keys, self.always, placed
+        constant, taken = (self.batch.scenario, self._beginning), np.zeros(1, np.int64)
+        args = *constant, outcome, taken, places, *keys, self.always, placed
         try:
             self._run(begin_episodes, places.size, args)
+            self.batch.check_places(places, placed)
         finally:  # an interrupt is raised after all worlds are done
-            self._begun[places] = placed
-            self.all_begun = np.count_nonzero(self._begun) == self.num_worlds
+            self.begun[places] = placed
+            self.all_begun = np.count_nonzero(self.begun) == self.num_worlds
         check_placed(placed, self.batch.scenario)
 
     def require_episodes(self, use: str) -> None:
         """Raise RuntimeError, naming the use, unless every world has an episode."""
         if self.all_begun:
             return
-        missing = np.flatnonzero(~self._begun).tolist()
+        missing = np.flatnonzero(~self.begun).tolist()
         if len(missing) == self.num_worlds:
             raise RuntimeError(f"call reset before {use}: there is no episode yet")
         raise RuntimeError(

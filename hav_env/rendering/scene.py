@@ -1,10 +1,11 @@
 """This module defines the scene: the visible state of one world at one moment.
 
 A scene needs neither the simulator nor a drawing. Shapes are as in ``hav_env.world.arrays``: N
-HAVs, U units of a HAV.
+HAVs, U units of a HAV. Its real numbers are float64, whatever the precision of the worlds, because
+pygame rejects float32.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def scene_of(
     evaded: np.ndarray | None = None,
     command: np.ndarray | None = None,
 ) -> Scene:
-    """Return the scene of one world; its arrays are copies.
+    """Return the scene of one world; its arrays are copies, in double precision.
 
     Args:
         worlds: worlds of a batch.
@@ -76,12 +77,12 @@ def scene_of(
         command: (N, 2) commanded speed [m/s] and steering [rad]; None if unknown.
     """
     state, fleet, record = worlds.state, worlds.fleet, worlds.record
-    x, y = state.x[:, w].copy(), state.y[:, w].copy()
+    x, y = state.x[:, w].astype(float), state.y[:, w].astype(float)
     waiting, removed = state.waiting[:, w].copy(), is_removed(worlds, slice(None), w)
-    footprint = fleet.radius[:, FOOTPRINT, w].copy()
+    footprint = fleet.radius[:, FOOTPRINT, w].astype(float)
     first = record.first[..., w]
     known = np.full(len(x), -1) if evaded is None else np.asarray(evaded).astype(np.int64)
-    return Scene(
+    scene = Scene(
         time=float(state.clock[STEP, w] * dt),
         phase=state.goal[:, PHASE, w].astype(np.int64),
         x=x,
@@ -107,6 +108,13 @@ def scene_of(
         segment=segments_in(worlds.place, w),
         struck=struck_in(first),
     )
+    return Scene(*map(_in_double, scene))
+
+
+def _in_double(part: Any) -> Any:
+    """Return a part of a scene, an array of float32 as float64."""
+    narrow = isinstance(part, np.ndarray) and part.dtype == np.float32
+    return part.astype(float) if narrow else part
 
 
 def struck_in(first: np.ndarray) -> np.ndarray | None:

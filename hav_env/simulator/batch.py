@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from hav_env.compiled import ZEROS, canonical, default_threads, entry, lanes_from
-from hav_env.guidance import Feasible
 from hav_env.maths.random_numbers import SEED_LIMIT, Seed
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_value
@@ -16,6 +15,7 @@ from hav_env.models.quantities import Precision, Threads, Worlds
 from hav_env.scenarios import PlacementError, check_scenario, segments_of
 from hav_env.simulator.beginning import begin
 from hav_env.simulator.guiding import GUIDANCES, Guidance, check_guidance, guide
+from hav_env.simulator.single_precision import check_drawn, check_single
 from hav_env.simulator.transition import ended, remove_arrived, step
 from hav_env.simulator.trial import try_scenario, try_vehicle
 from hav_env.vehicles import OnAxle, bodies_of, check_vehicle, is_instant, needs_hitches
@@ -104,11 +104,8 @@ class Batch:
         self._begun = False
         self.guidance = GUIDANCES.make(guidance)
         check_guidance(self.guidance, self.scenario, self.vehicle)
-        if precision == "single" and not isinstance(self.guidance, Dubins | Feasible):
-            raise ValueError(
-                f"precision is 'single', but must be 'double' with {type(self.guidance).__name__}:"
-                " only the routes of Dubins and Feasible are found in single precision"
-            )
+        if precision == "single":
+            check_single(self.scenario, task, self.guidance)
         part = guide(self.guidance, self.scenario, self.vehicle, self.task)
         self.bytes_per_world = world_size(
             *_shape(self.scenario, self.task, self.vehicle, of_each_world(part))
@@ -116,6 +113,7 @@ class Batch:
         check_memory("num_havs", self.scenario.num_havs, self.bytes_per_world)
         check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
         self.worlds: World = worlds_for(self, self.num_worlds, part, precision)
+        self._is_near = precision == "double"  # as near to the origin as the precision demands
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
         """Begin an episode in every world.
@@ -174,6 +172,20 @@ class Batch:
         step_worlds(
             self.num_worlds, self.task, self.vehicle, self.worlds, *arrays, threads=self.num_threads
         )
+
+    def check_places(self, places: np.ndarray, placed: np.ndarray) -> None:
+        """Check once that the scenario puts HAVs and goals where the precision suffices.
+
+        Args:
+            places: Indices of the worlds whose episodes have just begun.
+            placed: (len(places),) bool, cleared before an error.
+
+        Raises:
+            ValueError: If a start or a goal is too far from the origin.
+        """
+        if not self._is_near:
+            check_drawn(self.worlds, places, placed)
+            self._is_near = True  # the first episode of a scenario stands for all
 
     @property
     def num_threads(self) -> int:

@@ -1,6 +1,7 @@
 """The menu finds commands among entry points, names mistakes, and lists all names of models."""
 
 import importlib.metadata
+import os
 import subprocess
 import sys
 
@@ -153,3 +154,14 @@ def test_a_script_finds_modules_of_the_current_folder_unless_forbidden(safe, tmp
     )
     assert done.returncode == 2
     assert ("found mine" in done.stderr) is not safe
+
+
+def test_an_encoding_without_a_character_does_not_lose_a_table():
+    code = (
+        "from hav_env.cli.errors import report_errors\n"
+        "raise SystemExit(report_errors(lambda words: print('R\\u00fcck \\u2500'), []))"
+    )
+    env = os.environ | {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"}
+    env.pop("PYTHONIOENCODING", None)
+    done = subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, check=False)
+    assert (done.returncode, done.stdout.split()) == (0, [b"R?ck", b"?"])

@@ -184,3 +184,12 @@ def test_cycles_are_a_whole_number_and_not_beside_steps(make, cycles):
 def test_the_argument_that_is_wrong_is_the_one_that_is_named(skip):
     with pytest.raises((TypeError, ValueError), match="frame_skip is"):
         parallel_env(max_cycles=5, frame_skip=skip)
+
+
+@bare
+def test_the_last_episode_of_a_seed_needs_a_new_seed(face):
+    env = face()
+    seen(env, seed=2, options={"episode": 2**32 - 1})
+    with pytest.raises(ValueError, match="reset needs a seed: the last episode of seed 2 was"):
+        env.reset()
+    assert seen(env, seed=3) == seen(face(), seed=3)

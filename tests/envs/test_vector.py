@@ -124,6 +124,18 @@ def test_worlds_that_go_on_are_left_alone_by_a_reset_of_others():
     assert info["seed"][:, 0].tolist() == [1, 9, 3]
 
 
+def test_the_first_reset_begins_all_worlds():
+    env, twin = (gym.make_vec(SWARM, num_envs=3) for _ in range(2))
+    mask = np.array([True, False, True])
+    with pytest.raises(ValueError, match="reset_mask is false for world 1, but must be true for"):
+        env.reset(seed=4, options={"reset_mask": mask})
+    with pytest.raises(RuntimeError, match="call reset before step: there is no episode yet"):
+        env.step(np.zeros(env.action_space.shape))
+    _, info = env.reset(seed=4, options={"reset_mask": np.ones(3, np.bool_)})
+    assert info["episode_number"].tolist() == [[0.0, 0.0]] * 3
+    assert exactly(twin.reset(seed=4)[1]) == exactly(info)
+
+
 def test_each_world_has_its_own_seed_and_goes_on_with_it():
     env = gym.make_vec(SWARM, num_envs=3, max_steps=1)
     _, info = env.reset(seed=5)
@@ -254,6 +266,7 @@ def test_an_autoreset_without_room_asks_for_a_reset(mode):
         ({"seed": {1, 2, 3}}, (TypeError, ValueError), "seed is"),
         ({"seed": 1.5}, (TypeError, ValueError), "seed is 1.5"),
         ({"seed": "123"}, (TypeError, ValueError), "seed is"),
+        ({"seed": np.array(3)}, TypeError, "seed is 3, a ndarray and not a whole number"),
     ],
 )
 def test_a_refused_reset_changes_nothing(arguments, kind, message):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import torch
+from tensordict import TensorDict
 from torchrl.envs.utils import check_env_specs
 
 from hav_env import Observation, explicit, parallel_env
@@ -73,6 +74,13 @@ def test_the_episodes_are_those_of_the_vector_environment_to_the_bit(settings):
         if over.any():
             seen, _ = other.reset(options={"reset_mask": over})
     assert ended >= WORLDS
+
+
+def test_the_first_reset_begins_all_worlds():
+    env = TorchRLEnv(WORLDS, seed=0)
+    chosen = torch.tensor([[True], [False], [True]])
+    with pytest.raises(ValueError, match="_reset is false for world 1, but must be true"):
+        env.reset(TensorDict({"_reset": chosen}, batch_size=[WORLDS]))
 
 
 def test_what_was_handed_out_stays_as_it_is():

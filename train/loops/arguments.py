@@ -139,7 +139,7 @@ LOOP_PRESETS = {
 
 LOOP_MEANINGS = {
     "single": "one HAV",
-    "swarm": "five HAVs under the filter, on routes that each could drive alone",
+    "swarm": "five HAVs, with Reserve behind their actions, on routes of their own",
     "smoke": "seconds, to try the commands; it learns almost nothing",
 }
 

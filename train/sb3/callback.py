@@ -63,12 +63,7 @@ class TrainingCallback(BaseCallback):
                 self._evaluate()
             if done % arguments.checkpoint_every < each:
                 run.write_checkpoint()
-        rate = (done - self.first) / max(time.monotonic() - self.begun, 1e-9)
-        last = run.curve[-1] if run.curve else {}
-        told = f"{rate:,.0f}/s" + "".join(
-            f", {name} {100 * last[name]:.1f} %" for name in goal_hits(list(last))
-        )
-        self.bar.update(self.task, completed=done, rate=told)
+        self._show_progress()
 
     def _on_training_end(self) -> None:
         self.run.seconds = self.spent + time.monotonic() - self.begun
@@ -76,6 +71,17 @@ class TrainingCallback(BaseCallback):
         self._evaluate()
         self.logger.dump(self.num_timesteps)  # SB3 does not flush the logger after the last rollout
         self.run.write_checkpoint()
+        self._show_progress()  # no rollout begins after the last one
+
+    def _show_progress(self) -> None:
+        """Show decisions, their rate and the last hits of goals in the bar."""
+        done, curve = self.num_timesteps, self.run.curve
+        rate = (done - self.first) / max(time.monotonic() - self.begun, 1e-9)
+        last = curve[-1] if curve else {}
+        told = f"{rate:,.0f}/s" + "".join(
+            f", {name} {100 * last[name]:.1f} %" for name in goal_hits(list(last))
+        )
+        self.bar.update(self.task, completed=done, rate=told)
 
     def _log(self) -> None:
         """Log the means over episodes of all reward terms and all events."""
