@@ -6,6 +6,7 @@ CPU time. Waiting HAVs do not count.
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import tyro
@@ -17,6 +18,7 @@ from hav_env import Filtered, SafetyFilter, Task, find_scenario
 from hav_env.evaluation.rollout import rollout
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.policies.names import make_policy
+from hav_env.vehicles import VEHICLES
 
 # scenario, events to prevent, episodes, steps, worlds of the environment
 WORKLOADS = {
@@ -28,7 +30,7 @@ POLICIES = ("avoid_jack", "dubins_pursuit")
 STEPS = 100
 
 
-def drive(name: str, policy: str, filtered: bool, share: float) -> float:
+def drive(name: str, policy: str, filtered: bool, share: float, vehicle: Any) -> float:
     """Return nanoseconds of a HAV-step of a rollout."""
     scenario, against, episodes, steps, _ = WORKLOADS[name]
     driver = make_policy(policy)
@@ -36,7 +38,8 @@ def drive(name: str, policy: str, filtered: bool, share: float) -> float:
         driver = Filtered(driver, SafetyFilter(against))
     task = Task(max_steps=max(10, round(share * steps)))
     begin = time.process_time()
-    table = rollout(driver, find_scenario(scenario), 5, np.arange(episodes), task, threads=1)
+    drawn, numbers = find_scenario(scenario), np.arange(episodes)
+    table = rollout(driver, drawn, 5, numbers, task, vehicle, threads=1)
     return 1e9 * (time.process_time() - begin) / table["moving_steps"].to_numpy().sum()
 
 
@@ -53,31 +56,33 @@ def act(name: str, process: DecisionProcess, share: float) -> float:
     return 1e9 * (time.process_time() - begin) / (steps * worlds * process.num_havs)
 
 
-def runs_of(name: str, share: float) -> dict[tuple[str, bool], Callable[[], float]]:
+def runs_of(name: str, share: float, vehicle: Any) -> dict[tuple[str, bool], Callable[[], float]]:
     """Return the measurements of a workload, by what drives and whether the filter is on."""
     runs: dict[tuple[str, bool], Callable[[], float]] = {}
     scenario, against, _, _, worlds = WORKLOADS[name]
     for filtered in (False, True):
         for policy in POLICIES:
-            runs[policy, filtered] = lambda p=policy, f=filtered: drive(name, p, f, share)
+            runs[policy, filtered] = lambda p=policy, f=filtered: drive(name, p, f, share, vehicle)
+        safety = against if filtered else None
         process = DecisionProcess(
-            worlds, scenario=scenario, safety=against if filtered else None, threads=1
+            worlds, scenario=scenario, vehicle=vehicle, safety=safety, threads=1
         )
         runs["environment", filtered] = lambda p=process: act(name, p, share)
     return runs
 
 
-def main(repetitions: int = 7, share: float = 1.0) -> None:
+def main(repetitions: int = 7, share: float = 1.0, vehicle: str = "on_axle") -> None:
     """Print the table.
 
     Args:
         repetitions: Number of repetitions, of which the table shows the median.
         share: Share of the steps.
+        vehicle: Name of the vehicle: on_axle, or limited.
     """
     columns = (*POLICIES, "environment")
     table = new_table("ns for a HAV-step: without filter + cost of the filter", "", *columns)
     for name in WORKLOADS:
-        runs = runs_of(name, share)
+        runs = runs_of(name, share, VEHICLES.make(vehicle))
         for run in runs.values():
             run()  # compiles
         figures = medians_in_turns(runs, repetitions)

@@ -19,10 +19,10 @@ from hav_env.cli.options import run_command
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.models.text import suggest
 from hav_env.scenarios.presets import FIELDS, SCENARIOS, SITES
+from hav_env.vehicles import ACTUATORS
 from hav_env.world.arrays import ACTUAL, HEADING, WHEN, X, Y
 
 NAMED = (*SCENARIOS, *FIELDS, *SITES)
-_REAL = OffAxle(bodies=Rectangles())
 _HOLD = 30  # steps for which random commands last
 
 
@@ -32,6 +32,8 @@ class TrialOptions:
 
     scenarios: tuple[str, ...] = NAMED
     """Names of scenarios."""
+    actuators: str = "instant"
+    """Name of the actuators of all trucks, instant or limited, or module:Class."""
     havs: int = 10_000
     """Least number of HAVs in each scenario."""
     steps: int = 1_000
@@ -143,6 +145,7 @@ def try_all(options: TrialOptions) -> Iterator[Trial]:
     """
     check_whole("havs", options.havs, 1, 10**7)
     check_whole("steps", options.steps, 1, 10**7)
+    ACTUATORS.make(options.actuators)
     for scenario in options.scenarios:
         if scenario not in NAMED:
             raise ValueError(f"there is no scenario {scenario!r}{suggest(scenario, NAMED)}")
@@ -155,13 +158,15 @@ def try_all(options: TrialOptions) -> Iterator[Trial]:
 def _try(options: TrialOptions, scenario: str, name: str, filtered: bool) -> Trial:
     at_place = scenario not in SCENARIOS
     task = Task(max_steps=options.steps, continuous_collisions=not at_place)
+    actuators = ACTUATORS.make(options.actuators)
+    real = OffAxle(bodies=Rectangles(), actuators=actuators)
     num_havs = find_scenario(scenario).num_havs
     worlds = -(-options.havs // num_havs)
     process = DecisionProcess(
         worlds,
         scenario=scenario,
         task=task,
-        vehicle=_REAL if at_place else OnAxle(),
+        vehicle=real if at_place else OnAxle(actuators=actuators),
         safety="both" if filtered else None,
         threads=options.threads,
     )

@@ -5,7 +5,7 @@ from typing import Any, Literal, NamedTuple
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_fields
 from hav_env.models.quantities import Skipped, Steps
-from hav_env.vehicles import OffAxle, OnAxle, is_instant
+from hav_env.vehicles import Instant, Limited, OffAxle, OnAxle
 from hav_env.world.task import Task
 
 SAFETY = ("jackknife", "collision", "both")
@@ -23,13 +23,14 @@ class SafetyFilter(NamedTuple):
     """A predictive safety filter on the commands of all HAVs.
 
     The filter passes a command if a backup remains after it. Otherwise it scales down the steering,
-    or stops the HAV for the step. docs/safety-filter.md has the theorems and proofs.
+    or stops the HAV for the step; a truck with limited rates brakes. docs/safety-filter.md has the
+    theorems and proofs.
     """
 
     against: Literal["jackknife", "collision", "both"] = "both"
     """Events to prevent; collisions are those with other HAVs and with obstacles."""
     horizon: Steps = 1_000
-    """Longest prediction of the backup that straightens the HAV [steps]."""
+    """Longest prediction of the backup that straightens the HAV, or brakes it [steps]."""
     turn: Skipped = 10
     """Period [steps] of the right of way between two HAVs that are too close for both to move."""
 
@@ -77,10 +78,10 @@ def check_safety(safety: Any, task: Task, vehicle: Any) -> None:
             f"vehicle is {show(vehicle)}, but must be OnAxle or OffAxle where safety is on: the"
             " filter knows no bound for the motion of others"
         )
-    if not is_instant(vehicle):
+    if not isinstance(vehicle.actuators, Instant | Limited):
         raise ValueError(
-            f"vehicle actuators is {vehicle.actuators}, but must be Instant() where safety is on: a"
-            " truck that needs time to brake cannot stand at once"
+            f"vehicle actuators is {show(vehicle.actuators)}, but must be Instant or Limited where"
+            " safety is on: the filter knows no way to stop a truck with others"
         )
     if safety.against != "jackknife" and task.order in ("in_turn", 1):
         raise ValueError("task order is 'in_turn', but must be 'at_once' where safety is on")

@@ -5,6 +5,7 @@ from hav_env.safety.commands import find_safe_commands
 from hav_env.safety.filters import ONLY_COLLISIONS, ONLY_JACKKNIFES, SafetyFilter, Unfiltered
 from hav_env.safety.keeping_apart import keep_apart
 from hav_env.safety.quick_commands import find_by_angles
+from hav_env.safety.stopping.commands import keep_stoppable
 from hav_env.safety.straightening import bound_backup
 from hav_env.safety.trial_moves import (
     ASKED_SPEED,
@@ -17,6 +18,7 @@ from hav_env.safety.trial_moves import (
     put_back,
 )
 from hav_env.safety.turns_left import settle_by_turns
+from hav_env.vehicles import Instant, Limited, actuators_of
 from hav_env.world.arrays import INTERVENTIONS
 from hav_env.world.lanes import moving_block
 
@@ -116,6 +118,22 @@ def keep_safe(safety, task, vehicle, world, agent, speed, steering, rows):
     for lane in range(world.lanes):
         rows[ASKED_SPEED, lane] = speed[agent, lane]
         rows[ASKED_STEERING, lane] = steering[agent, lane]
+    actuators = actuators_of(vehicle)
+    _change_commands(actuators, safety, task, vehicle, world, agent, speed, steering, rows)
+    for lane in range(world.lanes):
+        slower = speed[agent, lane] != rows[ASKED_SPEED, lane]
+        turned = steering[agent, lane] != rows[ASKED_STEERING, lane]
+        changed = (slower | turned) & (not world.state.waiting[agent, lane])
+        world.record.total[agent, INTERVENTIONS, lane] += 1.0 if changed else 0.0
+
+
+@generic
+def _change_commands(actuators, safety, task, vehicle, world, agent, speed, steering, rows):
+    """Change unsafe commands of one HAV in every lane of a block; its posture does not change."""
+
+
+@_change_commands.register(Instant)
+def _keep_standing(actuators, safety, task, vehicle, world, agent, speed, steering, rows):
     keep_posture(world, agent, rows)
     drive_on_trial(vehicle, task.dt, world, agent, speed, steering)
     if safety.against != ONLY_COLLISIONS:
@@ -123,11 +141,11 @@ def keep_safe(safety, task, vehicle, world, agent, speed, steering, rows):
     if safety.against != ONLY_JACKKNIFES:
         keep_apart(safety, task, world, agent, speed, rows)
     put_back(world, agent, rows)
-    for lane in range(world.lanes):
-        slower = speed[agent, lane] != rows[ASKED_SPEED, lane]
-        turned = steering[agent, lane] != rows[ASKED_STEERING, lane]
-        changed = (slower | turned) & (not world.state.waiting[agent, lane])
-        world.record.total[agent, INTERVENTIONS, lane] += 1.0 if changed else 0.0
+
+
+@_change_commands.register(Limited)
+def _keep_braking(actuators, safety, task, vehicle, world, agent, speed, steering, rows):
+    keep_stoppable(safety, task, vehicle, world, agent, speed, steering, rows)
 
 
 @kernel

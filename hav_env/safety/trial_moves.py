@@ -21,8 +21,9 @@ from hav_env.vehicles import actuate, actuators_of, move
     GREATEST_HEADING,
     IN_DOUBT,
     COSINE_LIMIT,
+    BENT_TOO_FAR,
     POSTURE,
-) = range(12)
+) = range(13)
 # the same rows again, once the bounds of the backup are done: the longest move of any command [m];
 # the shortest unit and the widest body; whether another HAV or an obstacle may be near
 LONGEST_MOVE, SHORTEST_UNIT, WIDEST_BODY, MAY_BE_NEAR = range(PATH_CURVATURE, COSINE_LIMIT)

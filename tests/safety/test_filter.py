@@ -1,5 +1,7 @@
 """No HAV jackknifes or collides under the filter, whatever the commands: an independent audit."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
@@ -19,11 +21,16 @@ from hav_env import (
     rollout,
 )
 from hav_env.mdp.decision_process import DecisionProcess
+from hav_env.safety import check_safety
 from hav_env.safety.keeping_apart import has_right_of_way
 from hav_env.vehicles import VEHICLES
 from tests.support.audit import Audit, drive
 from tests.support.budgets import budget
 from tests.support.obstacles import touching_walls
+
+
+class Own(NamedTuple):
+    """Actuators of a user."""
 
 
 def at_random(process, rng):
@@ -206,13 +213,17 @@ def test_exactly_one_of_two_has_the_right_of_way():
         ({"safety": "none"}, "safety is 'none', but must be jackknife or collision or both"),
         ({"safety": 1}, "safety is 1, but must be None, a SafetyFilter"),
         ({"safety": SafetyFilter(horizon=0)}, "horizon is 0, but must be"),
-        ({"safety": "jackknife", "vehicle": "limited"}, "actuators is Limited"),
-        ({"safety": "collision", "vehicle": "realistic"}, "must be Instant"),
+        ({"safety": "both", "vehicle": "limited", "backup": "reserve"}, "Reserve has its proof"),
     ],
 )
 def test_errors_name_the_argument_and_what_is_allowed(arguments, told):
     with pytest.raises((ValueError, TypeError), match=told.replace("(", r"\(")):
         DecisionProcess(1, scenario="paper-pair", **arguments)
+
+
+def test_actuators_that_the_filter_cannot_stop_are_refused():
+    with pytest.raises(ValueError, match=r"actuators is Own\(\), but must be Instant or Limited"):
+        check_safety(SafetyFilter(), Task(), OnAxle(actuators=Own()))
 
 
 def test_a_filtered_policy_refuses_other_rules_than_its_own():
@@ -221,6 +232,6 @@ def test_a_filtered_policy_refuses_other_rules_than_its_own():
     policy = Filtered(AvoidJack(), vehicle=OnAxle())
     with pytest.raises(ValueError, match="policy vehicle is"):
         rollout(policy, "paper-pair", 0, [0], vehicle=OnAxle(substeps=2))
-    limited = VEHICLES.make("limited")
-    with pytest.raises(ValueError, match="must be Instant"):
-        rollout(Filtered(AvoidJack(), vehicle=limited), "paper-pair", 0, [0], vehicle=limited)
+    policy, task = Filtered(AvoidJack(), vehicle=VEHICLES.make("limited")), Task(order="in_turn")
+    with pytest.raises(ValueError, match="must be 'at_once' where safety is on"):
+        rollout(policy, "paper-pair", 0, [0], task, vehicle=policy.vehicle)

@@ -20,7 +20,7 @@ from hav_env.models.quantities import (
 from hav_env.policies.checks import check_parameters, check_rules
 from hav_env.policies.filtered import MOST_FILTERED_TRAILERS
 from hav_env.safety import SafetyFilter, check_safety
-from hav_env.vehicles import OnAxle
+from hav_env.vehicles import OnAxle, actuators_of, is_instant
 from hav_env.world.task import Task
 
 
@@ -107,6 +107,11 @@ def _(policy: Context, scenario: Scenario, task: Task, vehicle: Vehicle) -> None
     if not same or canonical(policy.vehicle) != canonical(vehicle):
         raise ValueError(
             f"policy vehicle is {policy.vehicle}, but must be the one of the episodes, {vehicle}"
+        )
+    if not is_instant(vehicle):
+        raise ValueError(
+            f"vehicle actuators is {actuators_of(vehicle)}, but must be Instant() under context"
+            " steering, whose slots are steps at full speed"
         )
     for name in ("dt", "distance_tolerance", "heading_tolerance"):
         own, theirs = getattr(policy, name), getattr(task, name)

@@ -8,9 +8,10 @@ from tests.support.budgets import budget
 
 
 @pytest.mark.exhaustive
+@pytest.mark.parametrize("actuators", ["instant", "limited"])
 @pytest.mark.parametrize("scenario", ["paper-pair", "docks-6"])
-def test_only_havs_without_the_filter_come_to_harm(scenario):
-    options = TrialOptions((scenario,), budget(120, 12), 120, threads=1)
+def test_only_havs_without_the_filter_come_to_harm(scenario, actuators):
+    options = TrialOptions((scenario,), actuators, budget(120, 12), 120, threads=1)
     trials = list(try_all(options))
     assert [trial.filtered for trial in trials] == [False, True] * 2
     assert trials[1].harmed == trials[3].harmed == 0
@@ -34,6 +35,7 @@ def test_rows_are_printed_when_they_are_known(monkeypatch, capsys):
     ("words", "message"),
     [
         (["--scenarios", "dock-6"], "there is no scenario 'dock-6' (did you mean 'docks-6'?)"),
+        (["--actuators", "slow"], "unknown actuators 'slow'"),
         (["--havs", "0"], "havs is 0, but must be"),
         (["--steps", "0"], "steps is 0, but must be"),
     ],

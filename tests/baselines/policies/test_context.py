@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from baselines.policies.context import Context
-from hav_env import Batch, RandomPoses, Task, evaluate, find_scenario
+from hav_env import Batch, Limited, OnAxle, RandomPoses, Task, evaluate, find_scenario
 from hav_env.policies.checks import check_policy
 from hav_env.policies.driver import PolicyDriver
 from hav_env.policies.interface import allocate_memory, decide
@@ -94,9 +94,16 @@ def test_parameters_out_of_range_are_refused(change, told):
         (Task(heading_tolerance=0.2), None, "heading_tolerance"),
         (Task(order="in_turn"), None, "order"),
         (Task(), OffAxle(), "vehicle"),
+        (Task(), OnAxle(actuators=Limited()), "policy vehicle is"),
     ],
 )
 def test_rules_that_its_predictions_do_not_know_are_refused(task, vehicle, told):
     models = () if vehicle is None else (vehicle,)
     with pytest.raises(ValueError, match=told):
         check_policy(Context(), RandomPoses(2), task, *models)
+
+
+def test_limited_actuators_are_refused():
+    vehicle = OnAxle(actuators=Limited())
+    with pytest.raises(ValueError, match=r"must be Instant\(\) under context steering"):
+        check_policy(Context(vehicle=vehicle), RandomPoses(2), Task(), vehicle)

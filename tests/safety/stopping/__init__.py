@@ -1,0 +1,1 @@
+"""Tests of hav_env/safety/stopping."""
