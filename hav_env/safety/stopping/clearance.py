@@ -21,7 +21,7 @@ from hav_env.world.place.segments import MOST_MOVED, Obstacles, Plane, segment_o
 from hav_env.world.sensing import neighbor_id, num_neighbors, waits
 
 # far more than the rounding errors of a plan and of the sum of two gaps [m]
-_SPARE_ROOM = 1e-3
+_SPARE_CLEARANCE = 1e-3
 
 
 @kernel
@@ -50,7 +50,7 @@ def is_far_from_all(safety, task, actuators, world, agent):
 @kernel
 def _way_of_plan(task, actuators, world, agent):
     """Return a bound [m] on the movement of any point of a HAV in its plan."""
-    return own_way(actuators, task.dt, world, agent, world.state.speed[agent, 0]) + _SPARE_ROOM
+    return own_way(actuators, task.dt, world, agent, world.state.speed[agent, 0]) + _SPARE_CLEARANCE
 
 
 @kernel
@@ -61,7 +61,7 @@ def _way_of_other(safety, task, actuators, world, agent, other):
 
 
 @rare_kernel
-def keeps_clear(safety, task, vehicle, world, agent, speed, steering, rows):
+def plan_is_clear(safety, task, vehicle, world, agent, speed, steering, rows):
     """Return whether the plan of a HAV is clear of all others and of all obstacles.
 
     The HAV ends somewhere on its plan.
@@ -81,16 +81,16 @@ def keeps_clear(safety, task, vehicle, world, agent, speed, steering, rows):
     if 2.0 * whole > task.sensing_range:
         return False
     swap_posture(world, agent, rows, 0)
-    before = _find_room(safety, task, actuators, world, agent, rows, whole, whole, True)
+    before = _find_clearance(safety, task, actuators, world, agent, rows, whole, whole, True)
     swap_posture(world, agent, rows, 0)
     if before >= whole:
         return True
     for _ in range(safety.horizon):
-        way = _way_in_step(task, world, agent) + _SPARE_ROOM
+        way = _way_in_step(task, world, agent) + _SPARE_CLEARANCE
         left = state.speed[agent, 0] - actuators.braking * task.dt
-        rest = own_way(actuators, task.dt, world, agent, left) + _SPARE_ROOM
+        rest = own_way(actuators, task.dt, world, agent, left) + _SPARE_CLEARANCE
         most = max(way, rest)
-        after = _find_room(safety, task, actuators, world, agent, rows, most, whole, False)
+        after = _find_clearance(safety, task, actuators, world, agent, rows, most, whole, False)
         if not before + after > way:
             return False
         if after >= rest:
@@ -109,7 +109,7 @@ def _way_in_step(task, world, agent):
 
 
 @kernel
-def _find_room(safety, task, actuators, world, agent, rows, most, whole, begins):
+def _find_clearance(safety, task, actuators, world, agent, rows, most, whole, begins):
     """Return how far a HAV may move at least until it may touch another one or an obstacle [m].
 
     Args:
@@ -119,20 +119,20 @@ def _find_room(safety, task, actuators, world, agent, rows, most, whole, begins)
         world: Block of one world.
         agent: Index of the HAV, somewhere on its plan.
         rows: Scratch, which keeps the HAV's other position.
-        most: Largest room of interest [m], which is returned where there is more.
+        most: Largest clearance of interest [m], which is returned where there is more.
         whole: Bound on the movement of any point in the whole plan [m].
         begins: Whether this is the present position.
     """
     least = most
     for k in range(num_neighbors(world, agent, 0)):
         other = neighbor_id(world, agent, k, 0)
-        least = _room_beside(safety, task, actuators, world, agent, other, rows, least, begins)
-    return _room_to_obstacles(world.place, world, agent, rows, least, whole, begins)
+        least = _clearance_beside(safety, task, actuators, world, agent, other, rows, least, begins)
+    return _clearance_to_obstacles(world.place, world, agent, rows, least, whole, begins)
 
 
 @kernel
-def _room_beside(safety, task, actuators, world, agent, other, rows, least, begins):
-    """Return the room beside another HAV, or ``least`` where it is larger [m]."""
+def _clearance_beside(safety, task, actuators, world, agent, other, rows, least, begins):
+    """Return the clearance beside another HAV, or ``least`` where it is larger [m]."""
     theirs = _way_of_other(safety, task, actuators, world, agent, other)
     reaches = reach(world.fleet, agent, 0) + reach(world.fleet, other, 0)
     bodies, need = world.fleet.bodies, theirs + least
@@ -152,24 +152,24 @@ def _touches(world, agent, other, rows, begins):
     """Return whether two HAVs touch at present."""
     if not begins:
         swap_posture(world, agent, rows, 0)
-    gap = gap_of_bodies(world.fleet.bodies, world, agent, other, 0, _SPARE_ROOM)
+    gap = gap_of_bodies(world.fleet.bodies, world, agent, other, 0, _SPARE_CLEARANCE)
     if not begins:
         swap_posture(world, agent, rows, 0)
     return gap <= 0.0
 
 
 @generic
-def _room_to_obstacles(place, world, agent, rows, least, whole, begins):
+def _clearance_to_obstacles(place, world, agent, rows, least, whole, begins):
     """Return the gap to the nearest obstacle, or ``least`` where it is larger [m]."""
 
 
-@_room_to_obstacles.register(Plane)
-def _room_on_plane(place, world, agent, rows, least, whole, begins):
+@_clearance_to_obstacles.register(Plane)
+def _clearance_on_plane(place, world, agent, rows, least, whole, begins):
     return least
 
 
-@_room_to_obstacles.register(Obstacles)
-def _room_to_segments(place, world, agent, rows, least, whole, begins):
+@_clearance_to_obstacles.register(Obstacles)
+def _clearance_to_segments(place, world, agent, rows, least, whole, begins):
     if not may_reach_obstacle(place, world, agent, 0, whole):
         return least
     driven, due = place.driven[agent, MOST_MOVED, 0], place.due[world.first, agent]

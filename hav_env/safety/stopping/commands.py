@@ -6,7 +6,7 @@ from hav_env.compiled import kernel, lanes_from, rare_kernel
 from hav_env.safety.commands import share_of_steering, try_command
 from hav_env.safety.filters import ONLY_COLLISIONS, ONLY_JACKKNIFES
 from hav_env.safety.stopping.braking import find_doubts
-from hav_env.safety.stopping.clearance import is_far_from_all, keeps_clear
+from hav_env.safety.stopping.clearance import is_far_from_all, plan_is_clear
 from hav_env.safety.trial_moves import (
     ASKED_SPEED,
     ASKED_STEERING,
@@ -90,7 +90,7 @@ def _replace_command(safety, task, vehicle, world, agent, speed, steering, rows,
     if (
         safety.against != ONLY_JACKKNIFES
         and drives(world, agent, 0)
-        and not keeps_clear(safety, task, vehicle, world, agent, speed, steering, rows)
+        and not plan_is_clear(safety, task, vehicle, world, agent, speed, steering, rows)
     ):
         faster = 0.0
         # the wheels of a HAV that stands may turn

@@ -40,7 +40,7 @@ class OnAxleHavs:
         return np.arange(self.heading.shape[1])[:, None] < self.units[:, None]
 
     def step(self, speed, steering, waiting):
-        """Move all HAVs by a step: commands (N, W), and who waits (N, W)."""
+        """Move all HAVs by a step: commands (N, W); waiting HAVs (N, W) brake."""
         limits, dt = self.limits, self.dt
         wanted = np.clip(np.where(waiting, self.steering, steering), -self.steepest, self.steepest)
         turn = limits.steering_rate * dt
