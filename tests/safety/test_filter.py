@@ -226,6 +226,14 @@ def test_actuators_that_the_filter_cannot_stop_are_refused():
         check_safety(SafetyFilter(), Task(), OnAxle(actuators=Own()))
 
 
+def test_a_vehicle_that_may_move_in_another_way_is_refused():
+    class Sliding(OnAxle):
+        """It moves sideways."""
+
+    with pytest.raises(ValueError, match=r"vehicle is Sliding.*must be OnAxle or OffAxle"):
+        check_safety(SafetyFilter(), Task(), Sliding())
+
+
 def test_a_filtered_policy_refuses_other_rules_than_its_own():
     with pytest.raises(ValueError, match="policy task is"):
         rollout(Filtered(AvoidJack(), task=Task()), "paper-pair", 0, [0], Task(max_steps=10))
