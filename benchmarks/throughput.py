@@ -9,9 +9,9 @@ import io
 import json
 import pathlib
 import subprocess
-import tarfile
 import tempfile
 import time
+import zipfile
 from collections.abc import Callable, Iterator
 from typing import Annotated, NamedTuple
 
@@ -57,15 +57,15 @@ class Figures(NamedTuple):
 @contextlib.contextmanager
 def earlier_version() -> Iterator[Version | None]:
     """Yield the earlier revision as a running process; None if git does not have it."""
-    command = ["git", "archive", EARLIER, "hav_env", "baselines", "benchmarks"]
+    command = ["git", "archive", "--format=zip", EARLIER, "hav_env", "baselines", "benchmarks"]
     try:
         archive = subprocess.run(command, cwd=_ROOT, check=True, capture_output=True).stdout
     except (OSError, subprocess.CalledProcessError):
         yield None
         return
     with tempfile.TemporaryDirectory() as folder:
-        with tarfile.open(fileobj=io.BytesIO(archive)) as files:
-            files.extractall(folder, filter="data")
+        with zipfile.ZipFile(io.BytesIO(archive)) as files:
+            files.extractall(folder)
         # today's package would come before a folder without this file
         pathlib.Path(folder, "benchmarks", "__init__.py").touch()
         version = Version(folder)
