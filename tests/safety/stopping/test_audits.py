@@ -16,9 +16,8 @@ from hav_env import (
 )
 from hav_env.mdp.decision_process import DecisionProcess
 from tests.safety.stopping.limited_havs import Guarded, filter_all
-from tests.safety.test_filter import at_each_other, at_random, run
+from tests.safety.test_filter import at_each_other, at_random, drive_among_walls, run
 from tests.support.budgets import COMPARED, COMPILED, budget
-from tests.support.obstacles import touching_walls
 
 LIMITED = OnAxle(actuators=Limited())
 TASK = Task(max_steps=10_000)
@@ -55,7 +54,7 @@ def meet(scenario, vehicle, choose, *, safety, worlds, steps, seed=5):
 @pytest.mark.parametrize(
     "choose", [at_the_other, pytest.param(anything, marks=pytest.mark.exhaustive)]
 )
-def test_nobody_jackknifes_or_collides_whatever_is_commanded(choose):
+def test_no_command_jackknifes_or_collides(choose):
     sizes = {"worlds": budget(24, 2), "steps": budget(250, 25)}
     guarded = meet(FAST, LIMITED, choose, safety=SafetyFilter(), **sizes)
     guarded.audit.approve(rolls=True)
@@ -90,7 +89,7 @@ def test_without_the_filter_the_same_commands_end_in_both():
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("choose", [at_random, at_each_other])
-def test_nobody_collides_in_a_dense_swarm(choose):
+def test_no_two_havs_collide_in_a_dense_swarm(choose):
     process = DecisionProcess(
         budget(12, 1), scenario="dense-10", vehicle=LIMITED, safety="both", threads=1
     )
@@ -107,21 +106,7 @@ def test_realistic_vehicles_hit_no_wall_and_no_other(scenario):
     process = DecisionProcess(
         budget(16, 2), scenario=scenario, vehicle=vehicle, safety="both", threads=1
     )
-    process.begin(
-        np.full(process.num_worlds, 3),
-        np.arange(process.num_worlds),
-        np.ones(process.num_worlds, np.bool_),
-        outcome := process.outcome(),
-    )
-    rng = np.random.default_rng(3)
-    for step in range(budget(300, 8)):
-        if step % 10 == 0:
-            actions = at_random(process, rng)
-        outcome = process.step(actions, outcome)
-        assert not touching_walls(process.batch.worlds).any()
-    info = dict(zip(process.info, outcome.info, strict=True))
-    for event in ("obstacle_collision", "jackknifed", "actual_collision"):
-        assert not info[event].any()
+    info = drive_among_walls(process, budget(300, 8))
     assert info["path_length"].mean() > 2.0 or budget(0, 1)
 
 
@@ -144,7 +129,7 @@ def test_each_filter_alone_prevents_its_events(against):
         assert (largest > guarded.havs.most_bent).any() or budget(0, 1)
 
 
-def test_nobody_stands_for_ever_because_of_the_joints():
+def test_joints_never_hold_a_hav_permanently():
     worlds, steps = budget(100, 4), budget(300, 40)
     scenario = RandomPoses(num_havs=1, fleet=RandomFleet())
     batch = Batch(scenario, worlds, TASK, LIMITED)
