@@ -1,6 +1,7 @@
 """This module lets HAVs brake on trial, and says whether their joints keep their limits."""
 
 from hav_env.compiled import fixed, kernel
+from hav_env.safety.stopping.straight_ways import settle_by_drives
 from hav_env.safety.straightening import SPARE_ANGLE, bound_backup
 from hav_env.safety.trial_moves import BENT_TOO_FAR, IN_DOUBT, drive_on_trial, drives
 from hav_env.safety.turns_left import settle_by_turns
@@ -24,8 +25,8 @@ def find_doubts(safety, task, vehicle, world, agent, speed, steering, rows):
     """Write, in every lane of a block, whether a HAV is in doubt: 0.0 if its joints are safe.
 
     They are safe if they keep their limits while the HAV brakes until it stands, and if bounds hold
-    them from there while it drives straight on at any speeds. A prediction of that way would hold
-    for its own speeds only. The HAV ends somewhere on its way.
+    them from there while it drives straight on at any speeds. With off-axle hitches, trial drives
+    decide where bounds do not. The HAV ends somewhere on its way.
 
     Args:
         safety: Safety filter.
@@ -55,6 +56,7 @@ def find_doubts(safety, task, vehicle, world, agent, speed, steering, rows):
         for lane in range(world.lanes):  # the third bound examines HAVs that drive
             world.state.speed[agent, lane] = world.fleet.limit[agent, SPEED, lane]
         settle_by_turns(world.fleet.joints, safety, vehicle, task.dt, world, agent, rows)
+        settle_by_drives(world.fleet.joints, safety, vehicle, task.dt, world, agent, rows)
     for lane in range(world.lanes):
         rows[IN_DOUBT, lane] = max(rows[IN_DOUBT, lane], rows[BENT_TOO_FAR, lane])
 
