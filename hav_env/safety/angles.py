@@ -19,10 +19,11 @@ from hav_env.safety.trial_moves import ASKED_SPEED, ASKED_STEERING, POSTURE
 from hav_env.safety.waves import PENDING, UNSAFE, UNSURE, WILL_STRAIGHTEN
 from hav_env.world.arrays import ARTICULATION, SPEED, STEERING
 
-ABREAST = 32  # trailers side by side
+ABREAST = 64  # trailers side by side
 # of the heading ahead relative to the own one: cosine, sine, the same before the step in question;
 # one over the length [1/m]; of the last step of the unit ahead, and then of the own one: way [m],
-# cosine and sine of the turn; least cosine of the articulation after a step
+# cosine and sine of the turn; least cosine of the articulation after a step; of a first trailer,
+# the truck's step at full speed [m], and 0 of others
 (
     _ANGLE_COSINE,
     _ANGLE_SINE,
@@ -33,23 +34,12 @@ ABREAST = 32  # trailers side by side
     _TURN_COSINE,
     _TURN_SINE,
     _LOWEST_COSINE,
+    _TRUCK_STEP,
     ANGLE_ROWS,
-) = range(10)
-# of a bay: lane or -1, command on trial, trailers, steps of the truck; step at full speed [m];
-# cosine of the limit; of the truck's next step: way [m], cosine and sine of the turn
-(
-    OF_LANE,
-    ON_TRIAL,
-    _HAS_TRAILERS,
-    _STEPS_MADE,
-    _FULL_STEP,
-    _COSINE_AT_LIMIT,
-    _TRUCK_DRIVEN,
-    _TRUCK_COSINE,
-    _TRUCK_SINE,
-    BAY_ROWS,
-) = range(10)
-ABREAST_BAYS = ABREAST // NARROW_BAY
+) = range(11)
+# of a HAV: lane; command on trial; trailers; steps of the truck; step at full speed [m]; cosine of
+# the limit
+OF_LANE, ON_TRIAL, HAS_TRAILERS, STEPS_MADE, _FULL_STEP, _COSINE_AT_LIMIT, HAV_ROWS = range(7)
 # far more than the error of a prediction
 _UNSURE_COSINE = 2e-7
 # the polynomials hold for such turns in a step [rad], so no joint passes its limit unnoticed
@@ -57,58 +47,78 @@ MOST_TURN, MOST_BEND = 0.25, 2.0
 
 
 @kernel
-def note_angles(world, agent, lane, rows, chain, own, bay, width):
-    """Write the articulations of a HAV before the step in question to the slots of a bay."""
+def note_angles(world, agent, lane, rows, chain, own, hav, first):
+    """Write the articulations of a HAV before the step in question to slots from ``first`` on."""
     trailers, cosines = world.fleet.num_trailers[agent, lane], POSTURE + world.units
-    own[_HAS_TRAILERS, bay] = float(trailers)
-    own[_COSINE_AT_LIMIT, bay] = cosine_limit(world.fleet.limit[agent, ARTICULATION, lane])
+    own[OF_LANE, hav], own[HAS_TRAILERS, hav] = float(lane), float(trailers)
+    own[_COSINE_AT_LIMIT, hav] = cosine_limit(world.fleet.limit[agent, ARTICULATION, lane])
     sines = cosines + world.units
-    for place in range(width):
-        slot, unit = bay * width + place, place + 1
-        chain[_FIRST_COSINE, slot], chain[_FIRST_SINE, slot], chain[_INVERSE, slot] = 1.0, 0.0, 0.0
-        if unit <= trailers:
-            chain[_FIRST_COSINE, slot], chain[_FIRST_SINE, slot] = into_frame(
-                rows[cosines + unit - 1, lane],
-                rows[sines + unit - 1, lane],
-                rows[cosines + unit, lane],
-                rows[sines + unit, lane],
-            )
-            chain[_INVERSE, slot] = 1.0 / world.fleet.length[agent, unit, lane]
+    for unit in range(1, trailers + 1):
+        slot = first + unit - 1
+        chain[_FIRST_COSINE, slot], chain[_FIRST_SINE, slot] = into_frame(
+            rows[cosines + unit - 1, lane],
+            rows[sines + unit - 1, lane],
+            rows[cosines + unit, lane],
+            rows[sines + unit, lane],
+        )
+        chain[_INVERSE, slot] = 1.0 / world.fleet.length[agent, unit, lane]
+        chain[_TRUCK_STEP, slot] = 0.0
 
 
 @kernel
-def begin_command(dt, world, agent, lane, rows, chain, own, bay, width, number):
-    """Put the HAV of a bay at its position before the step, and let its truck begin a command."""
-    limit = world.fleet.limit
+def begin_command(dt, world, agent, rows, chain, own, hav, first, number):
+    """Put a HAV at its position before the step, and make the first wave of a command.
+
+    Only the first trailer moves in that wave.
+
+    Returns:
+        Whether its joint is clearly beyond the limit.
+    """
+    limit, lane, trailers = world.fleet.limit, int(own[OF_LANE, hav]), int(own[HAS_TRAILERS, hav])
     fastest, steepest = limit[agent, SPEED, lane], limit[agent, STEERING, lane]
     turned = clip(rows[ASKED_STEERING, lane], -steepest, steepest) * share_of_steering(number)
     step = dt * clip(rows[ASKED_SPEED, lane], 0.0, fastest)
     sine, cosine = sincos(turned)
     turn_sine, turn_cosine = sincos(step * sine / (world.fleet.length[agent, 0, lane] * cosine))
-    own[ON_TRIAL, bay], own[_STEPS_MADE, bay] = float(number), 0.0
-    own[_FULL_STEP, bay], own[_TRUCK_DRIVEN, bay] = dt * fastest, step
-    own[_TRUCK_COSINE, bay], own[_TRUCK_SINE, bay] = turn_cosine, turn_sine
-    for slot in range(bay * width, (bay + 1) * width):
+    own[ON_TRIAL, hav], own[STEPS_MADE, hav] = float(number), 1.0
+    own[_FULL_STEP, hav] = dt * fastest
+    for slot in range(first, first + trailers):
         chain[_ANGLE_COSINE, slot], chain[_ANGLE_SINE, slot] = (
             chain[_FIRST_COSINE, slot],
             chain[_FIRST_SINE, slot],
         )
         chain[_WAY_DRIVEN, slot] = chain[_TURN_SINE, slot] = 0.0
         chain[_TURN_COSINE, slot] = chain[_LOWEST_COSINE, slot] = 1.0
+    chain[_WAY_DRIVEN, first], chain[_TRUCK_STEP, first] = step, 0.0
+    chain[_TURN_COSINE, first], chain[_TURN_SINE, first] = turn_cosine, turn_sine
+    move_trailer(chain, first)
+    chain[_TRUCK_STEP, first] = dt * fastest
+    return chain[_LOWEST_COSINE, first] < own[_COSINE_AT_LIMIT, hav] - _UNSURE_COSINE
 
 
 @kernel
-def hand_on_turns(chain, own, bay, width):
-    """Move what units hand on to the trailers behind, within a bay; the truck makes a step."""
-    driven, cosine, sine = (
-        own[_TRUCK_DRIVEN, bay],
-        own[_TRUCK_COSINE, bay],
-        own[_TRUCK_SINE, bay],
-    )
-    own[_TRUCK_DRIVEN, bay], own[_TRUCK_COSINE, bay] = own[_FULL_STEP, bay], 1.0
-    own[_TRUCK_SINE, bay] = 0.0
-    own[_STEPS_MADE, bay] += 1.0
-    for place in range(bay * width, (bay + 1) * width, NARROW_BAY):
+def move_up(chain, own, hav, first, new_hav, new_first):
+    """Move a HAV and its trailers to earlier places."""
+    for row in range(HAV_ROWS):
+        own[row, new_hav] = own[row, hav]
+    for row in range(ANGLE_ROWS):
+        for slot in range(int(own[HAS_TRAILERS, new_hav])):
+            chain[row, new_first + slot] = chain[row, first + slot]
+
+
+@kernel
+def clear_slot(chain, slot):
+    """Put a slot at rest."""
+    for row in range(ANGLE_ROWS):
+        chain[row, slot] = 0.0
+
+
+@kernel
+def hand_on_turns(chain, vectors):
+    """Move what units hand on to the trailers behind."""
+    driven = cosine = sine = 0.0
+    for vector in range(vectors):
+        place = vector * NARROW_BAY
         driven = shift_up(chain, _WAY_DRIVEN, place, driven)
         cosine = shift_up(chain, _TURN_COSINE, place, cosine)
         sine = shift_up(chain, _TURN_SINE, place, sine)
@@ -117,13 +127,14 @@ def hand_on_turns(chain, own, bay, width):
 @kernel
 def move_trailer(chain, slot):
     """Move one trailer by a step: the kinematics of ``OnAxle``, in articulations."""
-    driven = chain[_WAY_DRIVEN, slot]
-    cosine, sine = _turn_on(
-        chain[_ANGLE_COSINE, slot],
-        chain[_ANGLE_SINE, slot],
-        chain[_TURN_COSINE, slot],
-        chain[_TURN_SINE, slot],
-    )
+    # reads come before selections: compiled code branches where it selects between reads
+    driven, truck = chain[_WAY_DRIVEN, slot], chain[_TRUCK_STEP, slot]
+    turn_cosine, turn_sine = chain[_TURN_COSINE, slot], chain[_TURN_SINE, slot]
+    leads = truck > 0.0  # the truck drives straight on
+    driven = truck if leads else driven
+    turn_cosine, turn_sine = 1.0 if leads else turn_cosine, 0.0 if leads else turn_sine
+    cosine, sine = chain[_ANGLE_COSINE, slot], chain[_ANGLE_SINE, slot]
+    cosine, sine = _turn_on(cosine, sine, turn_cosine, turn_sine)
     turn = driven * chain[_INVERSE, slot] * sine
     turn_cosine, turn_sine = _tiny_sincos(turn)
     cosine, sine = _turn_on(cosine, sine, turn_cosine, -turn_sine)
@@ -154,15 +165,15 @@ def _tiny_sincos(angle):
 
 
 @kernel
-def judge_angles(safety, chain, own, bay, width):
-    """Return what the waves so far show of the HAV of a bay: UNSAFE .. UNSURE."""
-    first, trailers, limit = bay * width, int(own[_HAS_TRAILERS, bay]), own[_COSINE_AT_LIMIT, bay]
-    step, least = own[_FULL_STEP, bay], 1.0
+def judge_angles(safety, chain, own, hav, first):
+    """Return what the waves so far show of a HAV: UNSAFE .. UNSURE."""
+    trailers, limit = int(own[HAS_TRAILERS, hav]), own[_COSINE_AT_LIMIT, hav]
+    step, least = own[_FULL_STEP, hav], 1.0
     for slot in range(first, first + trailers):
         least = min(least, chain[_LOWEST_COSINE, slot])
     if not least > limit + _UNSURE_COSINE:
         return UNSAFE if least < limit - _UNSURE_COSINE else UNSURE
-    if own[_STEPS_MADE, bay] > safety.horizon:
+    if own[STEPS_MADE, hav] > safety.horizon:
         return UNSURE
     curvature, turn_cosine, turn_sine, driven = 0.0, 1.0, 0.0, step
     for slot in range(first, first + trailers):

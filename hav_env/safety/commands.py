@@ -1,4 +1,4 @@
-"""This module finds the command nearest to the given one after which a HAV can straighten."""
+"""This module finds commands after which HAVs can straighten, near the given ones."""
 
 from hav_env.compiled import kernel, lanes_from, local_array, rare_kernel
 from hav_env.maths.geometry import clip
@@ -30,17 +30,21 @@ from hav_env.safety.waves import PENDING, UNSAFE, UNSURE, WILL_STRAIGHTEN, enter
 from hav_env.world.arrays import SPEED, STEERING
 from hav_env.world.lanes import block_of
 
-# shares of the commanded steering; the filter keeps the largest possible one
-_STEERING_SHARES = (0.85, 0.7, 0.5, 0.25, 0.0)
+# the filter tries these shares of the commanded steering one after another, until one is refused
+_STEERING_SHARES = (0.0, 0.25, 0.5, 0.7, 0.85)
+# numbers of commands to try: the backup, those of the shares from 0 on, and the given command
+BACKUP, GIVEN = -1, len(_STEERING_SHARES)
 
 
 @kernel
 def find_safe_commands(safety, task, vehicle, world, agent, speed, steering, rows):
-    """Find the commands nearest to the given ones after which HAVs in doubt can straighten.
+    """Find commands near the given ones after which HAVs in doubt can straighten.
 
     The HAVs have made their trial steps with the given commands. At the end they are at their
-    positions after the found commands. If no share of the steering suffices, the command is the
-    backup: straight on at full speed, which an earlier step found possible.
+    positions after the found commands. If the given command is refused, the kernel tries shares of
+    the steering, the smallest first, and finds the one before the first that is refused. If the
+    smallest is refused, the command is the backup: straight on at full speed, which an earlier step
+    found possible.
 
     Args:
         safety: Safety filter.
@@ -95,50 +99,60 @@ def _find_in_bays(safety, dt, vehicle, world, agent, speed, steering, rows, more
         for bay in range(bays):
             own = chains.bay[0, bay]
             lane, number, verdict = int(own[OWN_LANE]), int(own[TRIAL_NUMBER]), WILL_STRAIGHTEN
-            if lane >= 0:
+            found = lane < 0
+            if not found:
                 verdict = judge(safety, vehicle, chains, bay, width, beyond)
             while verdict != PENDING:
-                if verdict == WILL_STRAIGHTEN:
-                    lane, number = next_in_doubt(world, agent, rows, begin, more, most), -1
-                    begin = lane + 1
+                if found:
+                    lane = next_in_doubt(world, agent, rows, begin, more, most)
+                    begin, number, found = lane + 1, GIVEN, False
                     if lane >= world.lanes:
                         own[OWN_LANE] = -1.0
                         break
-                one, own_rows = block_of(world, lane, 1, world.units), lanes_from(rows, lane)
-                own_speed, own_steering = lanes_from(speed, lane), lanes_from(steering, lane)
-                unsure = verdict == UNSURE
-                if unsure:
-                    straight = straightens_out(
-                        safety, vehicle, dt, one, agent, own_speed, own_steering, own_rows
-                    )
-                    verdict = WILL_STRAIGHTEN if straight else UNSAFE
-                elif verdict == UNSAFE:
-                    number += 1
-                if number >= 0 or unsure:
-                    try_command(vehicle, dt, world, agent, lane, speed, steering, rows, number)
-                if unsure:
+                else:
+                    one, own_rows = block_of(world, lane, 1, world.units), lanes_from(rows, lane)
+                    own_speed, own_steering = lanes_from(speed, lane), lanes_from(steering, lane)
+                    if verdict == UNSURE:
+                        try_command(vehicle, dt, world, agent, lane, speed, steering, rows, number)
+                        straight = straightens_out(
+                            safety, vehicle, dt, one, agent, own_speed, own_steering, own_rows
+                        )
+                        verdict = WILL_STRAIGHTEN if straight else UNSAFE
+                    safe = verdict == WILL_STRAIGHTEN
+                    number, found = next_command(world, agent, lane, rows, number, safe)
+                try_command(vehicle, dt, world, agent, lane, speed, steering, rows, number)
+                if found:
                     continue
                 bent = enter(vehicle, dt, world, agent, lane, chains, bay, width)
                 own[TRIAL_NUMBER] = float(number)
                 verdict = UNSAFE if bent else PENDING
-                given = number < 0  # the bounds alone decide on the given command
-                if is_backup(world, agent, lane, rows, number) or (
-                    bent and given and not is_in_doubt(dt, one, agent, own_rows)
-                ):
-                    verdict = WILL_STRAIGHTEN
+                if bent and number == GIVEN:  # the bounds alone decide on the given command
+                    one, own_rows = block_of(world, lane, 1, world.units), lanes_from(rows, lane)
+                    found = not is_in_doubt(dt, one, agent, own_rows)
             active = (bay + 1) * width if own[OWN_LANE] >= 0.0 else active
         if active > 0:
             beyond = wave(vehicle, h, world, chains, width, active)
 
 
 @kernel
-def is_backup(world, agent, lane, rows, number):
-    """Return whether a command on trial is the backup: the last one, or no steering at full speed.
+def next_command(world, agent, lane, rows, number, safe):
+    """Return the number of the command to try after another one, and whether it is the found one.
 
-    It needs no prediction, because nothing else would follow.
+    At full speed, the share 0 is the backup itself, which needs no prediction.
+
+    Args:
+        world: Block of worlds.
+        agent: Index of the HAV.
+        lane: Index of the world.
+        rows: Scratch with the commands.
+        number: Number of the command on trial.
+        safe: Whether the HAV straightens after it.
     """
-    full = rows[ASKED_SPEED, lane] == world.fleet.limit[agent, SPEED, lane]
-    return number >= len(_STEERING_SHARES) - (1 if full else 0)
+    if number == GIVEN:
+        full = rows[ASKED_SPEED, lane] == world.fleet.limit[agent, SPEED, lane]
+        return (GIVEN if safe else 1 if full else 0), safe
+    last = number + 1 == GIVEN
+    return (number if last else number + 1) if safe else number - 1, last or not safe
 
 
 @kernel
@@ -156,18 +170,15 @@ def next_in_doubt(world, agent, rows, begin, more, most):
 
 @kernel
 def share_of_steering(number):
-    """Return the share of the commanded steering of a command to try; see ``try_command``."""
-    if number < 0:
+    """Return the share of the commanded steering of a command to try."""
+    if number == GIVEN:
         return 1.0
-    return _STEERING_SHARES[number] if number < len(_STEERING_SHARES) else 0.0
+    return _STEERING_SHARES[number] if number > BACKUP else 0.0
 
 
 @kernel
 def try_command(vehicle, dt, world, agent, lane, speed, steering, rows, number):
-    """Move a HAV on trial, in one lane, with one of the commands to try.
-
-    -1 is the given command. The shares of the steering follow from 0 on, and then the backup.
-    """
+    """Move a HAV on trial, in one lane, with one of the commands to try, from BACKUP to GIVEN."""
     one, own_rows = block_of(world, lane, 1, world.units), lanes_from(rows, lane)
     own_speed, own_steering = lanes_from(speed, lane), lanes_from(steering, lane)
     limit, asked = one.fleet.limit, own_rows[ASKED_STEERING, 0]
@@ -175,8 +186,8 @@ def try_command(vehicle, dt, world, agent, lane, speed, steering, rows, number):
     turned = clip(asked, -steepest, steepest)
     put_back(one, agent, own_rows)
     own_speed[agent, 0], own_steering[agent, 0] = own_rows[ASKED_SPEED, 0], asked
-    if number == len(_STEERING_SHARES):
+    if number == BACKUP:
         own_speed[agent, 0], own_steering[agent, 0] = limit[agent, SPEED, 0], 0.0
-    elif number >= 0:
+    elif number < GIVEN:
         own_steering[agent, 0] = turned * share_of_steering(number)
     drive_on_trial(vehicle, dt, one, agent, own_speed, own_steering)

@@ -24,7 +24,7 @@ from hav_env.world.task import Task
 from tests.support.budgets import budget
 
 _SIZE = 60  # worlds of a block
-_SHARES = (0.85, 0.7, 0.5, 0.25, 0.0)
+_SHARES = (0.0, 0.25, 0.5, 0.7, 0.85)
 
 
 @kernel
@@ -51,22 +51,21 @@ def filter_unabridged(first, last, horizon, vehicle, dt, worlds, speed, steering
         asked, turned = v[0, 0], phi[0, 0]
         limit = world.fleet.limit
         keep_posture(world, 0, own)
-        for number in range(-1, len(_SHARES) + 1):
-            faster, share = asked, turned
-            if number >= 0:
-                steepest = limit[0, STEERING, 0]
-                share = clip(turned, -steepest, steepest) * _SHARES[min(number, len(_SHARES) - 1)]
-            if number == len(_SHARES):
-                faster, share = limit[0, SPEED, 0], 0.0
-            v[0, 0], phi[0, 0] = faster, share
+        steepest = limit[0, STEERING, 0]
+        faster, share = limit[0, SPEED, 0], 0.0  # the backup
+        for number in range(len(_SHARES) + 1):
+            given = number == 0
+            tried = turned if given else clip(turned, -steepest, steepest) * _SHARES[number - 1]
+            v[0, 0], phi[0, 0] = asked, tried
             drive_on_trial(vehicle, dt, world, 0, v, phi)
-            stands = world.state.speed[0, 0] == 0.0
-            kept = stands or number == len(_SHARES)
-            kept = kept or _straightens(horizon, vehicle, dt, world, v, phi, own, number < 0)
-            v[0, 0], phi[0, 0] = faster, share
+            kept = world.state.speed[0, 0] == 0.0 or (asked == limit[0, SPEED, 0] and number == 1)
+            kept = kept or _straightens(horizon, vehicle, dt, world, v, phi, own, given)
             put_back(world, 0, own)
             if kept:
+                faster, share = asked, tried
+            if kept == given:  # the given command, or the first share that is refused
                 break
+        v[0, 0], phi[0, 0] = faster, share
 
 
 @entry

@@ -3,7 +3,7 @@
 import math
 
 from hav_env.compiled import kernel, lanes_from, rare_kernel
-from hav_env.safety.commands import share_of_steering, try_command
+from hav_env.safety.commands import BACKUP, GIVEN, try_command
 from hav_env.safety.filters import ONLY_COLLISIONS, ONLY_JACKKNIFES
 from hav_env.safety.stopping.braking import find_doubts
 from hav_env.safety.stopping.clearance import is_far_from_all, plan_is_clear
@@ -107,17 +107,16 @@ def _find_command(safety, task, vehicle, world, agent, speed, steering, rows):
     drives straight on.
     """
     stands, held = rows[KEPT_SPEED, 0] == 0.0, rows[KEPT_STEERING, 0]
-    number, share, refused = -1, 1.0, math.inf
-    while share > 0.0:
+    refused = math.inf
+    for number in range(GIVEN, BACKUP, -1):
         try_command(vehicle, task.dt, world, agent, 0, speed, steering, rows, number)
         faster, turned = speed[agent, 0], steering[agent, 0]
         reached = world.state.steering[agent, 0]
         if (stands and reached == 0.0) or not drives(world, agent, 0):
             return faster, turned
-        if number >= 0 and reached != refused:
+        if number != GIVEN and reached != refused:
             find_doubts(safety, task, vehicle, world, agent, speed, steering, rows)
             if rows[IN_DOUBT, 0] == 0.0:
                 return faster, turned
-        refused, share = reached, share_of_steering(number)
-        number += 1
+        refused = reached
     return 0.0, 0.0 if stands else held
