@@ -7,7 +7,7 @@ a curve: that axle soon has no turn left. docs/safety-filter.md has the proof.
 
 import math
 
-from hav_env.compiled import generic, kernel, local_array, rare_kernel
+from hav_env.compiled import fma, generic, kernel, local_array, rare_kernel
 from hav_env.maths.elementary import log, sincos
 from hav_env.safety.trial_moves import IN_DOUBT, drives
 from hav_env.safety.waves import is_proved
@@ -77,20 +77,20 @@ def _settle_doubts(safety, dt, world, agent, rows):
     """Examine the HAVs in doubt side by side."""
     examined, settled, begin = local_array(1, _EXAMINED_ROWS, _MOST_DOUBTS)[0], 0, 0
     while begin < world.lanes:
-        count = 0
+        count = longest = 0
         while begin < world.lanes and count < _MOST_DOUBTS:
             if (rows[IN_DOUBT, begin] != 0.0) & drives(world, agent, begin):
                 _begin_to_examine(dt, world, agent, begin, examined, count)
+                longest = max(longest, world.fleet.num_trailers[agent, begin])
                 count += 1
             begin += 1
         size = (count + _WHOLE - 1) // _WHOLE * _WHOLE
         for slot in range(count, size):
             _begin_empty(examined, slot)
         for slot in range(size):
-            trailers = examined[_LAST_UNIT, slot]
-            examined[_DECAY, slot] = log(2.0 / _STRAIGHT * trailers)
-            examined[_LARGEST_SINE, slot], _ = sincos(examined[_LARGEST_BEND, slot])
-        for unit in range(1, world.units):
+            _examine_first_joint(examined, slot)
+        unit, held = 2, 1.0
+        while unit <= longest and held > 0.0:
             for slot in range(count):
                 lane = int(examined[_PLACE, slot])
                 heading = world.state.heading
@@ -99,6 +99,10 @@ def _settle_doubts(safety, dt, world, agent, rows):
                 examined[_TRAILER, slot] = world.fleet.length[agent, unit, lane]
             for slot in range(size):
                 _examine_joint(examined, float(unit), slot)
+            held = 0.0
+            for slot in range(count):
+                held += examined[_ALL_HELD, slot]
+            unit += 1
         for slot in range(count):
             way, step = examined[_WAY, slot], examined[_STRIDE, slot]
             if (examined[_ALL_HELD, slot] != 0.0) & (way <= step * safety.horizon):
@@ -116,6 +120,9 @@ def _begin_to_examine(dt, world, agent, lane, examined, slot):
     examined[_PLACE, slot], examined[_STRIDE, slot] = float(lane), step
     examined[_LARGEST_BEND, slot] = min(usual, _QUARTER_TURN) - _CLEAR_ANGLE
     examined[_LAST_UNIT, slot] = trailers
+    heading = world.state.heading
+    examined[_BEND, slot] = abs(heading[agent, 1, lane] - heading[agent, 0, lane])
+    examined[_TRAILER, slot] = world.fleet.length[agent, 1, lane]
     examined[_WAY, slot] = (trailers + 1.0) * step
     examined[_ALL_HELD, slot] = 1.0 if usual >= _LEAST_LIMIT else 0.0
 
@@ -125,7 +132,24 @@ def _begin_empty(examined, slot):
     """Begin with a truck, which turns no more."""
     for row in range(_EXAMINED_ROWS):
         examined[row, slot] = 0.0
-    examined[_LAST_UNIT, slot] = examined[_TRAILER, slot] = examined[_LENGTH_AHEAD, slot] = 1.0
+    examined[_LAST_UNIT, slot] = examined[_TRAILER, slot] = 1.0
+
+
+@kernel
+def _examine_first_joint(examined, slot):
+    """Bound the bend of the joint behind the truck, which turns no more: it only falls."""
+    bend, length, step = examined[_BEND, slot], examined[_TRAILER, slot], examined[_STRIDE, slot]
+    largest = examined[_LARGEST_BEND, slot]
+    examined[_LARGEST_SINE, slot], _ = sincos(largest)
+    examined[_DECAY, slot] = log(2.0 / _STRAIGHT * examined[_LAST_UNIT, slot])
+    sine, cosine = sincos(min(bend, _QUARTER_TURN))
+    decay = log(max(sine / (1.0 + cosine), _ALMOST_ZERO))
+    held = (bend < largest) & (step <= length)
+    examined[_ALL_HELD, slot] = examined[_ALL_HELD, slot] if held else 0.0
+    examined[_WAY, slot] += length * max(examined[_DECAY, slot] + decay, 0.0)
+    examined[_TURN_LEFT, slot], examined[_LENGTH_AHEAD, slot] = bend, length
+    examined[_CURVE_AHEAD, slot] = sine / (max(cosine, _ALMOST_ZERO) * length)
+    examined[_BEND_AHEAD, slot] = min(bend, _STEEPEST)
 
 
 @kernel
@@ -182,10 +206,11 @@ def bound_bend(bend, length, step, turn, curvature, length_ahead, bend_ahead, la
     sine, _ = sincos(min(bend, _QUARTER_TURN))
     inverse, most = 1.0 / max(tightest, _ALMOST_ZERO), bend
     cap = max(sine, tightest)
-    most += share * max(1.0 - sine * inverse, 0.0)
+    most = fma(share, max(fma(-sine, inverse, 1.0), 0.0), most)
     most = bend_on(most, share, inverse)
     most = bend_on(most, share, inverse)
-    share, ratio = late * (1.0 / 3.0), length_ahead / length
+    inverse_length = 1.0 / length
+    share, ratio = late * (1.0 / 3.0), length_ahead * inverse_length
     most = bend_on(most, share, max(inverse, inverse_tangent(late, ratio)))
     most = bend_on(most, share, max(inverse, inverse_tangent(late - share, ratio)))
     most = bend_on(most, share, max(inverse, inverse_tangent(share, ratio))) + swing
@@ -193,7 +218,7 @@ def bound_bend(bend, length, step, turn, curvature, length_ahead, bend_ahead, la
     sine = min(sine, cap)
     cosine = math.sqrt(max(1.0 - sine * sine, 0.0))
     held = (sine < greatest) & (bend < largest) & (swing <= cosine) & (step <= length)
-    behind = (sine / max(cosine, _ALMOST_ZERO) + swing) / length
+    behind = (sine / max(cosine, _ALMOST_ZERO) + swing) * inverse_length
     return held, behind, min(most, _STEEPEST), sine / (1.0 + cosine)
 
 
@@ -211,5 +236,6 @@ def bend_on(bend, turn, inverse):
     """Return a bend after a turn [rad] of the unit ahead, by a step that is certainly too long."""
     angle = min(bend, _QUARTER_TURN)
     square = angle * angle
-    sine = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
-    return bend + turn * max(1.0 - sine * inverse, 0.0)
+    series = fma(square, fma(square, -1.0 / 5040.0, 1.0 / 120.0), -1.0 / 6.0)
+    sine = angle * fma(square, series, 1.0)
+    return fma(turn, max(fma(-sine, inverse, 1.0), 0.0), bend)
