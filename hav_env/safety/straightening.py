@@ -125,8 +125,8 @@ def bound_joint(curvature, step, length, offset, cosine, sine, least_cosine):
     limit = max(least_cosine, curvature * step)
     held = (straight - offset * curvature > limit) & (cosine > 0.0) & (step <= length)
     swing = offset * curvature
-    tangent = (bent + swing) / max(straight - swing, _TINY)
-    return held, (tangent + curvature * step) / length
+    room = max(straight - swing, _TINY)
+    return held, (bent + swing + curvature * step * room) / (room * length)
 
 
 @kernel
