@@ -32,9 +32,11 @@ from hav_env.compiled.precision import (
     whole_in,
 )
 from hav_env.compiled.registers import local_array, local_singles, shift_up
-from hav_env.compiled.threads import VECTOR, default_threads, run_on_threads, share_out
+from hav_env.compiled.sharing import VECTOR
+from hav_env.compiled.threads import NO_HELPERS, crew_of, default_threads, run_on_threads
 
 __all__ = [
+    "NO_HELPERS",
     "TILE_SIDE",
     "VECTOR",
     "ZEROS",
@@ -44,6 +46,7 @@ __all__ = [
     "canonical",
     "classes_in",
     "contiguous",
+    "crew_of",
     "default_threads",
     "digest_code",
     "either",
@@ -62,7 +65,6 @@ __all__ = [
     "rare_kernel",
     "rounder_of",
     "run_on_threads",
-    "share_out",
     "shift_up",
     "single",
     "split_power",

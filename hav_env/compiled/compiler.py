@@ -76,7 +76,7 @@ def compiler_into(library_class: type) -> type:
         def run_pass(self, state):
             state.library = library_class(state.targetctx.codegen(), state.func_id.func_qualname)
             state.library.enable_object_caching()
-            state.flags.noalias = library_class in (Whole, LoopPart)
+            state.flags.noalias = library_class is LoopPart
             return False
 
     class Compiler(CompilerBase):

@@ -39,6 +39,7 @@ _MACHINERY = (
     "kernels.py",
     "precision.py",
     "registers.py",
+    "sharing.py",
 )
 
 

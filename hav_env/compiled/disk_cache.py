@@ -25,8 +25,10 @@ from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
+from hav_env.compiled.cache_folder import find_home
 from hav_env.compiled.digests import Code, digest_code
 from hav_env.compiled.held import HeldType
+from hav_env.compiled.kernels import ENTERED
 
 _log = logging.getLogger(__name__)
 _UNFINISHED = ".unfinished"
@@ -130,6 +132,20 @@ class DiskCache(NullCache):
             for old in sorted(kin, key=lambda path: path.lstat().st_mtime)[:-_VERSIONS]:
                 for path in (old, *self._folder.glob(f"{old.stem}.*.nbc")):
                     _remove(path)
+
+
+def cached(call: Callable, function: Callable) -> Any:
+    """Return a function in its compiled, or lazily compiled, form, cached on disk if possible.
+
+    Args:
+        call: Function that Python will call.
+        function: Function of the user that it runs, by whose code the cache knows it.
+    """
+    dispatcher = numba.njit(**ENTERED)(call)
+    home = find_home(os.environ.get("NUMBA_CACHE_DIR", ""))
+    if home is not None and hasattr(dispatcher, "compile"):
+        dispatcher._cache = DiskCache(function, home)
+    return dispatcher
 
 
 def _classes_in(kinds: Iterable[Any]) -> set[type]:

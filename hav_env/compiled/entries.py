@@ -4,7 +4,6 @@ import contextlib
 import functools
 import gc
 import logging
-import os
 import threading
 import typing
 from collections.abc import Callable, Iterator
@@ -14,13 +13,13 @@ import numba
 import numpy as np
 from numba.core.errors import NumbaError
 
-from hav_env.compiled.cache_folder import find_home
-from hav_env.compiled.digests import classes_in, digest_code
-from hav_env.compiled.disk_cache import DiskCache
+from hav_env.compiled.digests import KERNELS, classes_in, digest_code
+from hav_env.compiled.disk_cache import DiskCache, cached
 from hav_env.compiled.errors import explain
 from hav_env.compiled.held import Held
-from hav_env.compiled.kernels import ENTERED
-from hav_env.compiled.threads import default_threads, share_out
+from hav_env.compiled.kernels import LOOPED
+from hav_env.compiled.sharing import VECTOR, spread
+from hav_env.compiled.threads import NO_HELPERS, crew_of, default_threads
 from hav_env.models.annotations import kinds_of, split_range
 
 _log = logging.getLogger(__name__)
@@ -29,47 +28,76 @@ _PER_SECOND = 2_700.0  # bytes of bytecode compiled per second
 _ALLOCATIONS = 200_000  # between collections of garbage while Numba compiles
 
 
-def entry(function: Callable) -> Any:
+class _Compiled:
+    """The two compiled forms of an entry's loop.
+
+    Attributes:
+        function: The loop over worlds, ``function(first, last, *args)``.
+        loop: Its compiled form, a part of ``call``.
+        call: ``call(crew, count, args)``, which runs the loop on the threads of a crew.
+    """
+
+    def __init__(self, function: Callable, portion: int) -> None:
+        """Store the functions; they are compiled at their first use."""
+        self.function, self.loop = function, numba.njit(**LOOPED)(function)
+        loop = self.loop
+
+        def call(crew, count, args):
+            spread(loop, args, count, portion, crew)
+
+        for name in ("__module__", "__name__", "__qualname__"):  # symbols of compiled code have it
+            setattr(call, name, getattr(function, name))
+        self.call = cached(call, function)
+
+    def for_types_of(self, args: tuple) -> Callable:
+        """Return ``call`` for the types of these arguments, compiled or loaded if necessary."""
+        named_twice = _ensure_compiled(self, args)
+        if not hasattr(self.call, "compile"):
+            return self.call
+        # Numba's dispatch knows classes by name: it would choose the code of the first such class
+        return self.call.compile(_signature(args)) if named_twice else self.call
+
+
+def entry(function: Callable, portion: int = VECTOR) -> Any:
     """Make ``loop(first, last, *args)`` over worlds callable as ``loop(count, *args)``.
 
     The loop is compiled at its first call, when models are registered. The disk cache stores it
     under the digest of the code that it reaches, because Numba does not notice edits in other
-    files. ``threads`` threads (default: ``default_threads()``) share the worlds evenly. The threads
-    are Python threads, and the loop is serial and releases the GIL. Numba's ``prange`` loses writes
-    to fields of tuples (numba#7135) and does not survive a fork.
+    files. ``threads`` threads (default: ``default_threads()``) share the worlds evenly, in
+    multiples of a portion. The threads are Python threads, and the loop is serial and releases the
+    GIL. Numba's ``prange`` loses writes to fields of tuples (numba#7135) and does not survive a
+    fork.
 
-    ``loop.prepare(*args)`` returns the compiled loop over ``(first, last, *args)`` without dispatch
-    on argument types, which takes longer than stepping one world. Later calls must pass the same
-    types; for arrays, the same number of axes, order and element type.
+    ``loop.prepare(*args)`` returns the compiled form ``call(crew, count, args)`` without dispatch
+    on argument types, which takes longer than stepping one world; ``crew_of`` returns the crew.
+    Later calls must pass the same types; for arrays, the same number of axes, order and element
+    type.
     """
-    compiled: list[Callable] = []
+    KERNELS[function] = f"loop over multiples of {portion}"
+    made: list[_Compiled] = []
 
-    def loop_of() -> Any:
-        if not compiled:
+    def compiled() -> _Compiled:
+        if not made:
             with _compiling:
-                if not compiled:
-                    compiled.append(_cached(function))
-        return compiled[0]
+                if not made:
+                    made.append(_Compiled(function, portion))
+        return made[0]
 
     @functools.wraps(function)
     def call(count: int, *args: Any, threads: int | None = None) -> None:
-        loop = loop_of()
-        shared_name = _ensure_compiled(loop, args)
-        # Numba's dispatch knows classes by name: it would choose the code of the first such class
-        chosen = loop.compile(_signature(args)) if shared_name else loop
-        share_out(chosen, count, args, threads or default_threads())
+        compiled().for_types_of(args)(crew_of(threads or default_threads()), count, args)
 
     def prepare(*args: Any) -> Callable[..., None]:
         call(0, *args, threads=1)
-        loop = loop_of()
-        return loop.compile(_signature(args)) if hasattr(loop, "compile") else loop
+        found = compiled().call
+        return found.compile(_signature(args)) if hasattr(found, "compile") else found
 
     call.prepare = prepare  # type: ignore[attr-defined]
     return call
 
 
 def _signature(args: tuple) -> tuple:
-    return numba.int64, numba.int64, *map(numba.typeof, args)
+    return numba.typeof(NO_HELPERS), numba.int64, numba.typeof(args)
 
 
 def canonical(model: Any) -> Any:
@@ -101,22 +129,13 @@ def _converter(kind: Any) -> Callable[[Any], Any]:
     return lambda value: canonical(value) if hasattr(value, "_asdict") else value
 
 
-def _cached(function: Callable) -> Callable:
-    """Return the function in its compiled, or lazily compiled, form, cached on disk if possible."""
-    loop = numba.njit(**ENTERED)(function)
-    home = find_home(os.environ.get("NUMBA_CACHE_DIR", ""))
-    if home is not None and hasattr(loop, "compile"):
-        loop._cache = DiskCache(function, home)
-    return loop
-
-
 _ready: dict[tuple, bool] = {}
 _first_classes: dict[str, type] = {}  # of models, by name
 _compiling = threading.Lock()
 
 
-def _ensure_compiled(loop: Any, args: tuple) -> bool:
-    """Compile (or load) the loop for these arguments; announce it if it takes a while.
+def _ensure_compiled(compiled: _Compiled, args: tuple) -> bool:
+    """Compile (or load) a loop for these arguments; announce it if it takes a while.
 
     Returns:
         Whether a model has the name of another class: of another module, or one loaded anew.
@@ -125,21 +144,25 @@ def _ensure_compiled(loop: Any, args: tuple) -> bool:
         TypeError: If Numba cannot compile a model's code; the message names file and line.
     """
     plain = [part for arg in args for part in (arg.arguments if isinstance(arg, Held) else (arg,))]
-    kinds = (id(loop), *map(_kind_of, plain))
-    if kinds in _ready or not hasattr(loop, "compile"):
+    call, name = compiled.call, compiled.function.__name__
+    kinds = (id(call), *map(_kind_of, plain))
+    if kinds in _ready or not hasattr(call, "compile"):
         return _ready.get(kinds, False)
     signature = _signature(args)
     with _compiling:
-        cache = loop._cache
-        if not (isinstance(cache, DiskCache) and cache.holds(signature, loop.targetctx)):
-            _announce(loop.py_func, plain)
+        cache = call._cache
+        stored = isinstance(cache, DiskCache) and cache.holds(signature, call.targetctx)
+        if not stored:
+            _announce(compiled.function, plain)
         try:
             with _rare_collection():
-                loop.compile(signature)
+                if not stored:  # apart, because an error in a nested compilation tells less
+                    compiled.loop.compile((numba.int64, numba.int64, *signature[-1].types))
+                call.compile(signature)
         except NumbaError as error:
-            raise TypeError(explain(loop.py_func.__name__, error)) from None
+            raise TypeError(explain(name, error)) from None
         except Exception as error:  # Numba fails internally, as on a NamedTuple's defaults
-            raise TypeError(explain(loop.py_func.__name__, error)) from error
+            raise TypeError(explain(name, error)) from error
         known = [_first_classes.setdefault(one.__name__, one) is one for one in _classes_of(kinds)]
         _ready[kinds] = not all(known)
     return _ready[kinds]

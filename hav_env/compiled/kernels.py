@@ -20,8 +20,8 @@ _CALLED = _KERNEL_OPTIONS | {
 }
 _INLINED = _CALLED | {"forceinline": True}
 # explicit, because Numba otherwise inherits the caller's flags
-_RARE = _CALLED | {"forceinline": False, "pipeline_class": compiler_into(RarePart)}
-_LOOP = _RARE | {"pipeline_class": compiler_into(LoopPart)}
+RARE = _CALLED | {"forceinline": False, "pipeline_class": compiler_into(RarePart)}
+LOOPED = RARE | {"pipeline_class": compiler_into(LoopPart)}
 
 
 def kernel(function: Callable) -> Callable:
@@ -39,7 +39,7 @@ def kernel(function: Callable) -> Callable:
 def rare_kernel(function: Callable) -> Callable:
     """Mark a function to be compiled but not inlined, because it is seldom needed."""
     KERNELS[function] = "called"
-    overload(function, strict=False, jit_options=_RARE)(lambda *args: function)
+    overload(function, strict=False, jit_options=RARE)(lambda *args: function)
     return function
 
 
@@ -50,7 +50,7 @@ def loop_kernel(function: Callable) -> Callable:
     separate function, it assumes that arrays do not overlap.
     """
     KERNELS[function] = "loop"
-    overload(function, strict=False, jit_options=_LOOP)(lambda *args: function)
+    overload(function, strict=False, jit_options=LOOPED)(lambda *args: function)
     return function
 
 

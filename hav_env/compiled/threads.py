@@ -1,15 +1,21 @@
-"""This module runs loops that release the GIL on a pool of threads."""
+"""This module has the threads on which loops run that release the GIL."""
 
-import collections
+import atexit
 import concurrent.futures
 import functools
-import itertools
 import os
-import queue
 import threading
 from collections.abc import Callable, Iterable
+from typing import Any
 
-VECTOR = 16  # lanes of one block of whole vectors; threads share worlds in such portions
+import numba
+
+from hav_env.compiled.disk_cache import cached
+from hav_env.compiled.held import Held
+from hav_env.compiled.sharing import dismiss, make_crew, serve
+
+NO_HELPERS = make_crew(0)
+"""The crew that has no helpers."""
 
 
 def default_threads() -> int:
@@ -20,122 +26,56 @@ def default_threads() -> int:
     """
     wish = os.environ.get("HAV_THREADS")
     if not wish:
-        return (
-            len(os.sched_getaffinity(0))
-            if hasattr(os, "sched_getaffinity")
-            else os.cpu_count() or 1
-        )
+        return _cores()
     if not wish.isdigit() or int(wish) < 1:
         raise ValueError(f"HAV_THREADS is {wish!r}, but must be a whole number of at least 1")
     return int(wish)
 
 
-def share_out(loop: Callable, count: int, args: tuple, threads: int) -> None:
-    """Run a loop over worlds on threads, including this one; each takes ranges of worlds.
+def _cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
-    An interrupt (Ctrl-C) is raised after the loop has ended in all threads. No world is left
-    behind, and no thread writes into the arrays any more.
+
+def crew_of(threads: int) -> Held:
+    """Return the crew with which an entry runs on a number of threads, one of them its caller's.
+
+    There are no more threads than cores: a thread that tries for work would keep others from it.
+    The threads of a process that call entries at the same time share a crew: one of them works with
+    it, and the others alone.
     """
-    _finish_interrupted()
-    share = -(-count // (threads * VECTOR)) * VECTOR
-    if count <= share:
-        loop(0, count, *args)
-        return
-    spans = [(first, min(first + share, count), *args) for first in range(0, count, share)]
-    _run(_Batch(loop, spans), _helpers(os.getpid(), threads))
-
-
-class _Batch:
-    """A loop and the ranges of worlds over which it runs, each of them once.
-
-    An interrupt may come between any two Python instructions of the main thread, but not within a C
-    call. Operations that must not be split are therefore single C calls: taking, running and
-    recording a range; passing the batch to helpers and recording their number.
-    """
-
-    def __init__(self, loop: Callable, spans: list[tuple]) -> None:
-        self._loop, self._left = loop, iter(spans)
-        self._others = len(spans) - 1
-        self._done: collections.deque[None] = collections.deque()
-        self._seats: list[threading.Lock] = []
-        self._taken: list[None] = []  # as long as the number of seats passed to helpers
-        self.errors: list[BaseException] = []
-
-    def hand_on(self, helpers: queue.SimpleQueue) -> None:
-        """Pass the batch to helpers."""
-        self._seats = [threading.Lock() for _ in range(self._others)]
-        for seat in self._seats:
-            seat.acquire()
-        self._taken.extend(map(helpers.put, [(self, seat) for seat in self._seats]))
-
-    def work(self) -> None:
-        """Run the loop over ranges until none is left."""
-        while True:
-            try:
-                self._done.extend(itertools.starmap(self._loop, self._left))
-                return
-            except KeyboardInterrupt:
-                raise
-            except BaseException as error:  # the thread that passed the batch raises it
-                self.errors.append(error)
-
-    def finish(self) -> None:
-        """Run the remaining ranges and wait for the helpers; callable again after an interrupt."""
-        self.work()
-        for seat in self._seats[: len(self._taken)]:
-            with seat:  # released when its helper has finished
-                pass
-
-
-_running: dict[int, _Batch] = {}  # by the thread that runs the batch
-if hasattr(os, "register_at_fork"):
-    # a child process has no helpers of its parent
-    os.register_at_fork(after_in_child=_running.clear)
-
-
-def _run(batch: _Batch, helpers: queue.SimpleQueue) -> None:
-    """Run a batch with helpers, and raise its error, if any."""
-    here = threading.get_ident()
-    _running[here] = batch
-    try:
-        batch.hand_on(helpers)
-        batch.finish()
-    except BaseException:
-        _finish_interrupted()
-        raise
-    del _running[here]
-    for error in batch.errors:
-        raise error
-
-
-def _finish_interrupted() -> None:
-    """Finish the interrupted batch of this thread before other code uses the arrays."""
-    batch = _running.get(threading.get_ident())
-    if batch is not None:
-        batch.finish()
-        _running.pop(threading.get_ident(), None)
-
-
-def _help(helpers: queue.SimpleQueue) -> None:
-    """Take part in one batch after another."""
-    while True:
-        batch, seat = helpers.get()
-        batch.work()
-        del batch  # releases the arrays
-        seat.release()
+    return NO_HELPERS if threads == 1 else _crew(os.getpid(), threads)
 
 
 @functools.cache
-def _helpers(process: int, threads: int) -> queue.SimpleQueue:
-    """Return the queue on which threads wait for batches; a forked child has its own.
+def _crew(process: int, threads: int) -> Held:
+    """Return the crew of a process: a forked child has none of its parent's threads."""
+    work = _work()
+    # in plain Python, other threads would only wait
+    crew = make_crew(min(threads, _cores()) - 1 if hasattr(work, "compile") else 0)
+    mailboxes = crew.arguments[-1]
+    if len(mailboxes) > 0:
+        work.compile((numba.typeof(mailboxes[0]),))
+    helpers = [
+        threading.Thread(target=work, args=(mailbox,), name="hav_env", daemon=True)
+        for mailbox in mailboxes
+    ]
+    for helper in helpers:
+        helper.start()
+    atexit.register(_end, process, crew, helpers)
+    return crew
 
-    They respond within a few microseconds. An executor takes a hundred to submit a job and to
-    report its end, which is as long as a step of a thousand worlds.
-    """
-    waiting: queue.SimpleQueue = queue.SimpleQueue()
-    for _ in range(threads - 1):
-        threading.Thread(target=_help, args=(waiting,), name="hav_env", daemon=True).start()
-    return waiting
+
+@functools.cache
+def _work() -> Any:
+    return cached(serve, serve)
+
+
+def _end(process: int, crew: Held, helpers: list[threading.Thread]) -> None:
+    """End helpers before Python removes the compiled code that they run."""
+    if process == os.getpid() and dismiss(crew):
+        for helper in helpers:
+            helper.join()
 
 
 def run_on_threads(

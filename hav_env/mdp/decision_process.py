@@ -7,7 +7,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from hav_env.compiled import VECTOR, Held, canonical, default_threads, narrow, share_out
+from hav_env.compiled import VECTOR, Held, canonical, crew_of, default_threads, narrow
 from hav_env.mdp.advance import Actions, advance_worlds, divide_action, observe_worlds
 from hav_env.mdp.array_pool import Recycler
 from hav_env.mdp.beginning import allocate_stage, begin_episodes
@@ -272,10 +272,7 @@ class DecisionProcess:
         name = loop.__name__
         if name not in self._compiled:
             self._compiled[name] = loop.prepare(*args)
-        if self._threads == 1:  # one thread runs all worlds
-            self._compiled[name](0, count, *args)
-        else:
-            share_out(self._compiled[name], count, args, self._threads)
+        self._compiled[name](crew_of(self._threads), count, args)
 
     def hold(self) -> tuple[Held, ...]:
         """Make the constant arguments of every step, for each portion of an action."""

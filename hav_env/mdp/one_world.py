@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hav_env.compiled import Held, arguments_of, entry, kernel
+from hav_env.compiled import NO_HELPERS, Held, arguments_of, entry, kernel
 from hav_env.mdp.advance import Actions, advance_block
 from hav_env.mdp.decision_process import DecisionProcess
 
@@ -122,7 +122,7 @@ class OneWorld:
         for held in self._held:
             if process.driver is not None:
                 process.command[:] = process.driver.decide()
-            self._advance(0, 1, held)
+            self._advance(NO_HELPERS, 1, (held,))
 
     def infos(self) -> list[dict[str, float]]:
         """Return the infos of each HAV by name, after a step or a beginning that reports."""

@@ -1,5 +1,6 @@
 """After an interrupt at any moment, the next step and the next reset equal those without one."""
 
+import functools
 import os
 import signal
 import threading
@@ -10,14 +11,17 @@ import numpy as np
 import pytest
 
 import hav_env
-from hav_env.compiled import VECTOR, run_on_threads, share_out
+from hav_env.compiled import VECTOR, crew_of, entry, run_on_threads
 from hav_env.mdp import decision_process
 from hav_env.mdp.decision_process import DecisionProcess
-from tests.support.budgets import budget
+from tests.support.budgets import COMPILED, budget
 
 # Python reports an interrupt in a finalizer or in a callback of the garbage collector, and does not
 # raise it
-pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+    pytest.mark.usefixtures("eight_cores"),
+]
 
 THREADS = 4
 
@@ -38,23 +42,29 @@ def interrupted(call, delay):
     return False
 
 
-@pytest.mark.parametrize("own_takes", [0.0, 0.05, 0.4])
-@pytest.mark.parametrize("helper_takes", [0.0, 0.05, 0.4])
-def test_an_interrupt_waits_until_every_world_is_done_once(own_takes, helper_takes):
-    main, done = threading.get_ident(), []
+@entry
+def slow(first, last, rounds, done):
+    """Count the visits of each world after some work."""
+    for k in range(first, last):
+        x = 1.0
+        for _ in range(rounds):
+            x = x * 1.0000001 + 1e-9
+        done[k] += x > 0.0
 
-    def loop(first, last):
-        time.sleep(own_takes if threading.get_ident() == main else helper_takes)
-        done.append(first)
 
-    expected = [k * VECTOR for k in range(THREADS)]
-    interrupted(lambda: share_out(loop, THREADS * VECTOR, (), THREADS), 0.1)
-    share_out(lambda first, last: None, 1, (), THREADS)  # finishes the remaining work
-    # an interrupt can split only a loop in Python: compiled ones are one call
-    assert len(done) == len(set(done)) >= THREADS - 1
-    done.clear()
-    share_out(loop, THREADS * VECTOR, (), THREADS)
-    assert sorted(done) == expected
+@pytest.mark.skipif(not COMPILED, reason="plain Python can be interrupted within a loop")
+@pytest.mark.parametrize("delay", [1e-6, 1e-4, 0.01, 0.05])
+def test_an_interrupt_waits_until_every_world_is_done_once(delay):
+    done = np.zeros(THREADS * VECTOR, int)
+    call = functools.partial(slow, len(done), 1_000_000, done, threads=THREADS)
+    call()
+    for turn in range(2, 5):
+        assert interrupted(call, delay)
+        while done.max() < turn:  # the interrupt came before the loop
+            call()
+        assert (done == turn).all()
+        time.sleep(0.01)
+        assert (done == turn).all()  # no thread writes any more
 
 
 def process():
@@ -77,10 +87,11 @@ def test_thirty_interrupts_at_random_moments_leave_every_world_in_step():
     made, twin = process(), process()
     begin(made, 3), begin(twin, 3)
     actions = random.uniform(-1.0, 1.0, (made.num_worlds, 2, 2))
+    made.step(actions), twin.step(actions)  # compiles
     began = time.perf_counter()
     for _ in range(3):
         twin.step(actions)
-    begin(twin, 3)
+    begin(made, 3), begin(twin, 3)
     length = (time.perf_counter() - began) / 4
     hits = 0
     for _ in range(budget(30, 3)):
@@ -121,11 +132,13 @@ def test_an_interrupt_lets_loops_on_threads_end_early():
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
-def test_a_child_that_was_forked_in_a_step_has_helpers_of_its_own():
-    share_out(lambda first, last: None, THREADS * VECTOR, (), THREADS)
+def test_a_child_has_helpers_of_its_own():
+    done = np.zeros(THREADS * VECTOR, int)
+    slow(len(done), 1, done, threads=THREADS)
+    parents = crew_of(THREADS).address
     child = os.fork()
     if child == 0:
-        done = []
-        share_out(lambda first, last: done.append(first), THREADS * VECTOR, (), THREADS)
-        os._exit(0 if len(done) == THREADS else 1)
+        for _ in range(100):
+            slow(len(done), 1, done, threads=THREADS)
+        os._exit(0 if (done == 101).all() and crew_of(THREADS).address != parents else 1)
     assert os.waitpid(child, 0)[1] == 0

@@ -6,9 +6,10 @@ import re
 import numba
 import pytest
 
-from hav_env.compiled import fixed, kernel, like
+from hav_env.compiled import VECTOR, fixed, kernel, like
 from hav_env.compiled.entries import _signature
-from hav_env.compiled.kernels import ENTERED
+from hav_env.compiled.kernels import ENTERED, LOOPED
+from hav_env.compiled.sharing import spread
 from hav_env.mdp.buffers import buffers_from, outcome_from
 from hav_env.mdp.decision_process import DecisionProcess
 from hav_env.observation.layout import FIRST_OF_ROUTE, FIRST_OF_UNITS
@@ -83,7 +84,12 @@ def assembly(stage, *args):
         world = block_of(worlds, first, last - first, worlds.units)
         inlined(world, buffers_from(buffers, first, 0), outcome_from(outcome, first))
 
-    compiled = numba.njit(**ENTERED)(loop)
+    part = numba.njit(**LOOPED)(loop)
+
+    def call(crew, count, args):
+        spread(part, args, count, VECTOR, crew)
+
+    compiled = numba.njit(**ENTERED)(call)
     compiled.compile(_signature(args))
     return "".join(compiled.inspect_asm().values())
 
