@@ -5,6 +5,7 @@ memory. They therefore begin side by side in a small stage, as lanes of whole ve
 copied from there.
 """
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,7 @@ def allocate_stage(
     )
 
 
-@entry
+@functools.partial(entry, portion=1)  # few worlds begin at a time, and are copied anywhere
 def begin_episodes(
     first, last, scenario, held, outcome, parts_taken, places, seeds, episodes, reports, placed
 ):
