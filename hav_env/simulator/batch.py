@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from hav_env.compiled import ZEROS, canonical, default_threads, entry, lanes_from
+from hav_env.compiled import ZEROS, canonical, crew_of, default_threads, entry, lanes_from
 from hav_env.maths.random_numbers import SEED_LIMIT, Seed
 from hav_env.models.annotations import show
 from hav_env.models.checks import check_value
@@ -102,6 +102,7 @@ class Batch:
         self.num_worlds = int(num_worlds)
         self.threads = threads
         self._begun = False
+        self._step: Any = None  # compiled at the first step
         self.guidance = GUIDANCES.make(guidance)
         check_guidance(self.guidance, self.scenario, self.vehicle)
         if precision == "single":
@@ -114,6 +115,10 @@ class Batch:
         check_memory("num_worlds", self.num_worlds, self.bytes_per_world * self.num_worlds)
         self.worlds: World = worlds_for(self, self.num_worlds, part, precision)
         self._is_near = precision == "double"  # as near to the origin as the precision demands
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the compiled step: a copy loads it again."""
+        return self.__dict__ | {"_step": None}
 
     def reset(self, seed: int, episodes: np.ndarray | None = None) -> None:
         """Begin an episode in every world.
@@ -169,9 +174,10 @@ class Batch:
             if not np.isfinite(array).all():
                 raise ValueError(f"{name} holds a number that is not finite")
             arrays.append(np.ascontiguousarray(array))
-        step_worlds(
-            self.num_worlds, self.task, self.vehicle, self.worlds, *arrays, threads=self.num_threads
-        )
+        args = self.task, self.vehicle, self.worlds, *arrays
+        if self._step is None:
+            self._step = step_worlds.prepare(*args)
+        self._step(crew_of(self.num_threads), self.num_worlds, args)
 
     def check_places(self, places: np.ndarray, placed: np.ndarray) -> None:
         """Check once that the scenario puts HAVs and goals where the precision suffices.
