@@ -31,7 +31,7 @@ from hav_env.world.place.guidance import Dubins, of_each_world
 from hav_env.world.task import Task, check_at_once, set_rules
 
 _SINGLE = np.dtype(np.float32).itemsize
-_HAVS_PER_THREAD = 1_024  # HAVs per thread for which waking a thread pays
+_HAVS_PER_THREAD = 512  # HAVs per thread whose step takes longer than waking a thread
 
 
 class Settings(TypedDict, total=False):
