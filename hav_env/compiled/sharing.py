@@ -6,6 +6,7 @@ Python would take as long as a step of a thousand worlds.
 """
 
 import ctypes
+import sys
 from typing import Any
 
 import numba
@@ -23,13 +24,19 @@ VECTOR = 16  # lanes of one block of whole vectors
 # 60 ns, so all of them take some 100 us. If they were in vain, as between the steps of a learner or
 # on a busy core, the thread sleeps at once in its next waits, and tries again in the eighth.
 _MOST_TRIES, _WAITS = 4_000, 8
-_MAILBOX = 16  # words of a mailbox, so two of them share no cache line
-# words of a mailbox: two locks, a job and its range, and waits in which a thread has slept
-_GO, _DONE, _JOB, _START, _STOP, _SLEPT, _CALLER_SLEPT = range(7)
+_MAILBOX, _SET = 32, 16  # words of a mailbox and of a set of cores, which is its second half
+# words of a mailbox: two locks, a job and its range, waits in which a thread has slept, the core of
+# the caller, and the address of the set
+_GO, _DONE, _JOB, _START, _STOP, _SLEPT, _CALLER_SLEPT, _CORE, _SET_AT = range(9)
 
 _int32, _int64, _Integer = numba.int32, numba.int64, numba.types.Integer
 _take = numba.types.ExternalFunction("PyThread_acquire_lock", _int32(_int64, _int32))
 _free = numba.types.ExternalFunction("PyThread_release_lock", numba.void(_int64))
+_core_here = numba.types.ExternalFunction("sched_getcpu", _int32())
+_cores_of, _restrict = (
+    numba.types.ExternalFunction(name, _int32(_int32, _int64, _int64))
+    for name in ("sched_getaffinity", "sched_setaffinity")
+)
 _python = ctypes.pythonapi
 _take_from_python = ctypes.PYFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int)(
     ("PyThread_acquire_lock", _python)
@@ -50,6 +57,7 @@ def make_crew(helpers: int) -> Held:
         mailbox[[_GO, _DONE]] = locks = _new_lock(), _new_lock()
         for lock in locks:
             _take_from_python(lock, 0)
+        mailbox[_SET_AT] = mailbox[_MAILBOX - _SET :].ctypes.data
     return Held(_new_lock(), mailboxes)
 
 
@@ -72,6 +80,36 @@ def serve(mailbox):
             return
         run_range(mailbox[_JOB], mailbox[_START], mailbox[_STOP])
         _free(mailbox[_DONE])
+        _step_aside(mailbox)
+
+
+def _note(mailbox):
+    """Write the core on which the caller of a helper runs."""
+    mailbox[_CORE] = _core_here()
+
+
+def _leave(mailbox):
+    """Move this thread away from its caller's core, where both would run in turn.
+
+    Linux often wakes a thread on the core of its caller, even if another one is idle, and leaves
+    both there for thousands of calls.
+    """
+    core, size, cores = _core_here(), 8 * _SET, mailbox[_MAILBOX - _SET :]
+    word, bit = core // 64, 1 << (core % 64)
+    if core != mailbox[_CORE] or word >= _SET or _cores_of(0, size, mailbox[_SET_AT]) < 0:
+        return
+    for _ in range(2):  # without the core, and with it again
+        cores[word] ^= bit
+        _restrict(0, size, mailbox[_SET_AT])
+
+
+def _stay(mailbox):
+    """Leave the choice of cores to the system."""
+
+
+_moves = sys.platform == "linux"
+_note_core = numba.njit(**RARE)(_note if _moves else _stay)
+_step_aside = numba.njit(**RARE)(_leave if _moves else _stay)
 
 
 @numba.njit(**RARE)
@@ -103,6 +141,7 @@ def _share(crew, count, portion, job):
         mailbox = mailboxes[k]
         mailbox[_JOB], mailbox[_START] = job, (k + 1) * own
         mailbox[_STOP] = min(mailbox[_START] + own, count)
+        _note_core(mailbox)
         _free(mailbox[_GO])
     run_range(job, 0, own)
     for k in range(others):
