@@ -102,6 +102,12 @@ def fixed(row):
     return row
 
 
+def lowest_bit(bits):
+    """Return the place of the lowest 1 among the bits of a whole number, which must not be 0."""
+    number = int(bits)  # NumPy's integers overflow
+    return (number & -number).bit_length() - 1
+
+
 def take(counter):
     """Return the number in an array of one, and increment it: each thread gets another number."""
     with _counting:
@@ -119,6 +125,7 @@ type_callable(lanes_from)(lambda context: lambda array, first: array)
 type_callable(of_width)(lambda context: lambda array, width: array)
 type_callable(contiguous)(lambda context: lambda row: row.copy(layout="C"))
 type_callable(fixed)(lambda context: lambda row: numba.int64)
+type_callable(lowest_bit)(lambda context: lambda bits: numba.int64)
 type_callable(take)(lambda context: lambda counter: numba.int64)
 
 
@@ -234,6 +241,11 @@ def _lower_contiguous(context, builder, signature, arguments):
 def _lower_fixed(context, builder, signature, arguments):
     word = ir.IntType(64)
     return builder.asm(ir.FunctionType(word, [word]), "", "=r,0", arguments, side_effect=False)
+
+
+@lower_builtin(lowest_bit, numba.types.Integer)
+def _lower_lowest_bit(context, builder, signature, arguments):
+    return builder.cttz(arguments[0], ir.Constant(ir.IntType(1), 1))
 
 
 @lower_builtin(take, numba.types.Array)

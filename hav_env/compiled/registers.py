@@ -64,7 +64,8 @@ def _lower_local_array(context, builder, signature, arguments):
     real = context.get_value_type(kind.dtype)
     size = 4 if kind.dtype == numba.float32 else 8
     shape = [length.constant for length in arguments]
-    memory = cgutils.alloca_once(builder, ir.ArrayType(real, math.prod(shape)))
+    with builder.goto_entry_block():  # ``alloca_once`` would write zeros at every call
+        memory = builder.alloca(ir.ArrayType(real, math.prod(shape)))
     memory.align = 64
     view = context.make_array(kind)(context, builder)
     populate_array(

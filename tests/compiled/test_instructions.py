@@ -5,7 +5,7 @@ import random
 
 import numpy as np
 
-from hav_env.compiled import entry, fma, take
+from hav_env.compiled import entry, fma, lowest_bit, take
 from tests.support.budgets import budget
 
 
@@ -32,3 +32,18 @@ def test_a_product_and_a_sum_are_rounded_once():
         exact = fractions.Fraction(x) * fractions.Fraction(y) + fractions.Fraction(z)
         for number in (float, np.float64):
             assert fma(number(x), number(y), number(z)) == float(exact)
+
+
+@entry
+def find_lowest_bits(first, last, numbers, places):
+    """Write the place of the lowest bit of each number."""
+    for k in range(first, last):
+        places[k] = lowest_bit(numbers[k])
+
+
+def test_the_lowest_bit_of_every_place_is_found():
+    expected = np.arange(64).repeat(4)
+    numbers = np.random.default_rng(4).integers(-(2**63), 2**63, expected.size) | 1
+    numbers, places = numbers << expected, np.zeros(expected.size, np.int64)
+    find_lowest_bits(expected.size, numbers, places)
+    assert np.array_equal(places, expected)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hav_env import Observation, build_site, explicit, sensing
-from hav_env.compiled import single
+from hav_env.compiled import entry, lowest_bit, single
 from hav_env.mdp.decision_process import DecisionProcess
-from hav_env.observation.rays import rays_towards
+from hav_env.observation.sectors import SECTORS, rays_towards, with_rays
 from hav_env.vehicles import OffAxle, Rectangles
 from hav_env.world.obstacles.rays import across_segment, may_lie_along, to_segment
 from tests.support.budgets import budget
@@ -38,13 +38,41 @@ def test_no_ray_that_meets_a_circle_is_left_out(kind):
         radius = far * rng.choice([0.0, 1e-3, 0.1, 0.5, 0.999, 1.0, 3.0])
         x, y = far * math.cos(bearing), far * math.sin(bearing)
         first, count = rays_towards(kind(rays), kind(x), kind(y), kind(radius))
-        assert 0 <= first < rays
-        assert count <= rays
+        assert 0 <= count <= rays
+        assert 0 <= first < rays or count == 0
         cast = {(int(first) + k) % rays for k in range(int(count))}
         half = math.asin(min(radius / far, 1.0)) if radius < far else math.pi
         angles = 2 * math.pi * np.arange(rays) / rays
         off = abs((angles - bearing + math.pi) % (2 * math.pi) - math.pi)
         assert set(np.flatnonzero(off <= half)) <= cast
+
+
+@entry
+def list_sectors(first, last, sectors, listed):
+    """Write the indices of the sectors of each row that have rays."""
+    for row in range(first, last):
+        count, end = 0, sectors.shape[1]
+        for start in range(0, end, SECTORS):
+            bits = with_rays(sectors[row], start, end)
+            while bits != 0:
+                listed[row, count] = start + lowest_bit(bits)
+                bits &= bits - 1
+                count += 1
+
+
+@pytest.mark.parametrize("lanes", [1, 17, 63, 64, 65, 128])
+def test_all_sectors_with_rays_are_listed_in_order(lanes):
+    rng = np.random.default_rng(5)
+    share = np.linspace(0.0, 1.0, 9)[:, None]
+    has = rng.uniform(size=(9, lanes)) < share
+    sectors = np.where(has, rng.choice([-256.0, 259.0, 33_000.0], has.shape), 0.0)
+    listed = np.full(has.shape, -1)
+    list_sectors(len(has), sectors.astype(np.float32), listed)
+    for row, found in zip(has, listed, strict=True):
+        indices = np.flatnonzero(row)
+        assert np.array_equal(found[: indices.size], indices)
+        assert (found[indices.size :] == -1).all()
+    assert has[-1].all()
 
 
 def segments_to_cast():
@@ -113,3 +141,28 @@ def test_rows_are_those_of_every_ray_at_every_segment(rays):
                 met += (seen < MOST).sum()
         outcome = process.step(actions)
     assert met > 0
+
+
+def observed_after_a_step(episodes):
+    """Return the rays of worlds a step after the given episodes begin."""
+    count = len(episodes)
+    process = DecisionProcess(
+        count,
+        scenario="field-4",
+        vehicle="realistic",
+        observation=Observation(neighbors=1, rays=24, ray_range=MOST),
+    )
+    outcome = process.outcome()
+    process.begin(np.full(count, 6), episodes, np.ones(count, np.bool_), outcome)
+    outcome = process.step(np.zeros((count, 4, 2), np.float32))
+    rays = [name.startswith("ray") for name in process.columns]
+    return outcome.observation[..., rays]
+
+
+@pytest.mark.exhaustive
+def test_rows_do_not_depend_on_the_lane():
+    together = observed_after_a_step(np.arange(budget(131, 5)))
+    assert (together < 1.0).any(axis=2).mean() > 0.5
+    for w in {0, 4, 63, 64, 127, 128, 130}.intersection(range(len(together))):
+        alone = observed_after_a_step(np.array([w]))
+        assert np.array_equal(alone[0], together[w])
