@@ -56,7 +56,7 @@ def slow(first, last, rounds, done):
 @pytest.mark.parametrize("delay", [1e-6, 1e-4, 0.01, 0.05])
 def test_an_interrupt_waits_until_every_world_is_done_once(delay):
     done = np.zeros(THREADS * VECTOR, int)
-    call = functools.partial(slow, len(done), 1_000_000, done, threads=THREADS)
+    call = functools.partial(slow, len(done), 4_000_000, done, threads=THREADS)
     call()
     for turn in range(2, 5):
         assert interrupted(call, delay)
