@@ -44,31 +44,53 @@ def crew_of(threads: int) -> Held:
     The threads of a process that call entries at the same time share a crew: one of them works with
     it, and the others alone.
     """
-    return NO_HELPERS if threads == 1 else _crew(os.getpid(), threads)
+    if threads == 1:
+        return NO_HELPERS
+    process = os.getpid()
+    return _crews.get((process, threads)) or _find_crew(process, threads)
 
 
-@functools.cache
-def _crew(process: int, threads: int) -> Held:
-    """Return the crew of a process: a forked child has none of its parent's threads."""
-    work = _work()
+_crews: dict[tuple[int, int], Held] = {}
+"""Crews by process and number of threads: a forked child has none of its parent's threads."""
+
+
+def _find_crew(process: int, threads: int) -> Held:
+    """Return the crew of a process, also for more threads than it has cores."""
     # in plain Python, other threads would only wait
-    crew = make_crew(min(threads, _cores()) - 1 if hasattr(work, "compile") else 0)
-    mailboxes = crew.arguments[-1]
-    if len(mailboxes) > 0:
-        work.compile((numba.typeof(mailboxes[0]),))
+    size = min(threads, _cores()) if hasattr(_work(), "compile") else 1
+    if (process, size) not in _crews:
+        _gather(process, size)
+    return _crews.setdefault((process, threads), _crews[process, size])
+
+
+def _gather(process: int, size: int) -> None:
+    """Start the helpers of a crew, and keep it, unless another caller has been faster."""
+    made = make_crew(size - 1)
     helpers = [
-        threading.Thread(target=work, args=(mailbox,), name="hav_env", daemon=True)
-        for mailbox in mailboxes
+        threading.Thread(target=_work(), args=(mailbox,), name="hav_env", daemon=True)
+        for mailbox in made.arguments[-1]
     ]
-    for helper in helpers:
-        helper.start()
-    atexit.register(_end, process, crew, helpers)
-    return crew
+    try:
+        for helper in helpers:
+            helper.start()
+        _crews.setdefault((process, size), made)
+    finally:  # an interrupt may have come, or the system may have no more threads
+        if _crews.get((process, size)) is not made:
+            dismiss(made)
+    atexit.register(_end, process, made, helpers)
 
 
 @functools.cache
 def _work() -> Any:
-    return cached(serve, serve)
+    """Return the work of helpers, compiled.
+
+    Numba compiles under a lock. A child that was forked while another thread held the lock would
+    hang there, so it must not compile what its parent has compiled.
+    """
+    work = cached(serve, serve)
+    if hasattr(work, "compile"):
+        work.compile((numba.int64[::1],))
+    return work
 
 
 def _end(process: int, crew: Held, helpers: list[threading.Thread]) -> None:

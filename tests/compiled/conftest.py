@@ -9,6 +9,4 @@ from hav_env.compiled import threads
 def eight_cores(monkeypatch):
     """Let crews have up to eight threads, however few cores there are."""
     monkeypatch.setattr(threads, "_cores", lambda: 8)
-    threads._crew.cache_clear()
-    yield
-    threads._crew.cache_clear()
+    monkeypatch.setattr(threads, "_crews", {})

@@ -9,6 +9,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
+from numba.core.compiler_lock import global_compiler_lock
 
 import hav_env
 from hav_env.compiled import VECTOR, crew_of, entry, run_on_threads
@@ -141,4 +142,28 @@ def test_a_child_has_helpers_of_its_own():
         for _ in range(100):
             slow(len(done), 1, done, threads=THREADS)
         os._exit(0 if (done == 101).all() and crew_of(THREADS).address != parents else 1)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+def test_a_child_has_helpers_even_if_a_thread_of_its_parent_compiles():
+    done = np.zeros(THREADS * VECTOR, int)
+    slow(len(done), 1, done, threads=THREADS)
+    compiles, ends = threading.Event(), threading.Event()
+
+    def compile_until_the_end():
+        with global_compiler_lock:
+            compiles.set()
+            assert ends.wait(60.0)
+
+    other = threading.Thread(target=compile_until_the_end)
+    other.start()
+    assert compiles.wait(60.0)
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)  # ends a child that waits for the lock
+        slow(len(done), 1, done, threads=THREADS)
+        os._exit(0 if (done == 2).all() else 1)
+    ends.set()
+    other.join()
     assert os.waitpid(child, 0)[1] == 0

@@ -106,6 +106,57 @@ def test_threads_are_no_more_than_cores(monkeypatch):
     assert len(mailboxes) == 0
 
 
+def helpers():
+    """Return the number of threads that wait for work, without those that are about to leave."""
+    deadline, found = time.monotonic() + 5.0, -1
+    while time.monotonic() < deadline:
+        alive = sum(thread.name == "hav_env" for thread in threading.enumerate())
+        if alive == found:
+            break
+        found = alive
+        time.sleep(0.1)
+    return found
+
+
+@compiled_only
+def test_several_may_be_the_first_to_need_helpers():
+    """They need one crew; those of the others leave."""
+    before, gate = helpers(), threading.Barrier(8)
+
+    def ask(threads):
+        gate.wait()
+        mark_worlds(64, *np.zeros((2, 64), int), threads=threads)
+
+    # more threads than cores are as many as cores
+    callers = [threading.Thread(target=ask, args=(threads,)) for threads in [8, 9, 20, 64] * 2]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join()
+    assert helpers() == before + 7
+
+
+@compiled_only
+def test_helpers_leave_if_another_cannot_start(monkeypatch):
+    before, begin, begun = helpers(), threading.Thread.start, []
+
+    def start(thread):
+        begun.append(thread)
+        if len(begun) == 3:
+            raise RuntimeError("can't start new thread")
+        begin(thread)
+
+    worlds = np.zeros((2, 64), int)
+    with monkeypatch.context() as patched:
+        patched.setattr(threading.Thread, "start", start)
+        with pytest.raises(RuntimeError, match="can't start"):
+            mark_worlds(64, *worlds, threads=4)
+    assert helpers() == before
+    mark_worlds(64, *worlds, threads=4)
+    assert (worlds[0] == 1).all()
+    assert helpers() == before + 3
+
+
 @compiled_only
 def test_a_process_ends_while_its_helpers_wait():
     program = (
