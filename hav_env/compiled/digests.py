@@ -34,6 +34,7 @@ _DEEPEST = 4  # most nested modules, as in a.b.c.function
 # files that define how kernels are compiled: a change here changes all compiled code
 _MACHINERY = (
     "compiler.py",
+    "entries.py",
     "held.py",
     "instructions.py",
     "kernels.py",

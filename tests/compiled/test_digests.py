@@ -1,6 +1,7 @@
 """The digest of code: changes of compiled code change it, and nothing else does."""
 
 import importlib
+import pathlib
 import subprocess
 import sys
 import textwrap
@@ -10,7 +11,9 @@ import pytest
 from baselines.evaluation.runs import run_part
 from hav_env import OnAxle, RandomPoses, Task, make_policy
 from hav_env.compiled import classes_in, digest_code
-from hav_env.compiled.digests import _Walk
+from hav_env.compiled.digests import _MACHINERY, _Walk
+from hav_env.compiled.entries import _Compiled
+from hav_env.compiled.sharing import _share
 from hav_env.evaluation.rollout import rollout_worlds
 from hav_env.policies import POLICIES
 from hav_env.simulator.batch import begin_worlds
@@ -221,3 +224,9 @@ def test_a_digest_is_the_same_in_every_process():
         )  # fmt: skip
         told.add(done.stdout.split()[-1])
     assert len(told) == 1
+
+
+@pytest.mark.parametrize("around", [_Compiled(rollout_worlds.__wrapped__, 1).call, _share])
+def test_code_around_every_loop_counts(around):
+    function = getattr(around, "py_func", around)
+    assert pathlib.Path(function.__code__.co_filename).name in _MACHINERY
