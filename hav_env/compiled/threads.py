@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import numba
+import numpy as np
 
 from hav_env.compiled.disk_cache import cached
 from hav_env.compiled.held import Held
@@ -65,9 +66,9 @@ def _find_crew(process: int, threads: int) -> Held:
 
 def _gather(process: int, size: int) -> None:
     """Start the helpers of a crew, and keep it, unless another caller has been faster."""
-    made = make_crew(size - 1)
+    made, caller = make_crew(size - 1), threading.get_native_id()
     helpers = [
-        threading.Thread(target=_work(), args=(mailbox,), name="hav_env", daemon=True)
+        threading.Thread(target=_help, args=(mailbox, caller), name="hav_env", daemon=True)
         for mailbox in made.arguments[-1]
     ]
     try:
@@ -78,6 +79,12 @@ def _gather(process: int, size: int) -> None:
         if _crews.get((process, size)) is not made:
             dismiss(made)
     atexit.register(_end, process, made, helpers)
+
+
+def _help(mailbox: np.ndarray, caller: int) -> None:
+    """Work on a thread of one's own: those of gevent share their caller's, which would hang."""
+    if threading.get_native_id() != caller:
+        _work()(mailbox)
 
 
 @functools.cache

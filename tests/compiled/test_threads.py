@@ -158,6 +158,29 @@ def test_helpers_leave_if_another_cannot_start(monkeypatch):
 
 
 @compiled_only
+def test_threads_that_share_the_one_of_their_caller_do_not_wait():
+    """As those of gevent, in a process of its own that can be ended."""
+    program = (
+        "import threading, types, numpy as np; from hav_env.compiled import threads;"
+        "threads._cores = lambda: 3; from tests.compiled.test_threads import mark_worlds;"
+        "threads.threading = types.SimpleNamespace(**vars(threading) | {'Thread':"
+        " lambda target, args, **_: types.SimpleNamespace("
+        "start=lambda: target(*args), join=lambda: None)});"
+        "worlds = np.zeros((2, 64), int); mark_worlds(64, *worlds, threads=3);"
+        "print((worlds[0] == 1).all())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
+
+
+@compiled_only
 def test_a_process_ends_while_its_helpers_wait():
     program = (
         "import numpy as np; from hav_env.compiled import threads; threads._cores = lambda: 3;"
