@@ -6,6 +6,7 @@ import re
 import sysconfig
 
 _PLACE = re.compile(r'File "([^"]+)", line (\d+)|\bat (\S+\.py) \((\d+)\)')
+_COLOR = re.compile(r"\x1b\[[0-9;]*m")  # Numba writes colours where colorama is installed
 _LINES_ASIDE = re.compile(
     r"^(During: |File |-+%<|<source missing|\[|Failed in nopython|def |@|\^|$)"
 )
@@ -30,7 +31,7 @@ def explain(name: str, error: Exception) -> str:
         name: Name of the entry being compiled.
         error: Numba's error, whose text lists places from the innermost to the outermost caller.
     """
-    text = str(error)
+    text = _COLOR.sub("", str(error))
     libraries = tuple(sysconfig.get_paths()[key] for key in ("stdlib", "purelib", "platlib"))
     found = [(file or at, line or number) for file, line, at, number in _PLACE.findall(text)]
     places = [place for place in found if not os.path.abspath(place[0]).startswith(libraries)]
