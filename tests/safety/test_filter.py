@@ -144,7 +144,7 @@ def drive_among_walls(process, steps):
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("scenario", ["field-1", "gate-2"])
-def test_nobody_hits_an_obstacle(scenario):
+def test_no_hav_hits_an_obstacle(scenario):
     settings = {"vehicle": OffAxle(bodies=Rectangles()), "scenario": scenario, "threads": 1}
     process = DecisionProcess(budget(16, 2), safety="both", **settings)
     drive_among_walls(process, budget(250, 10))

@@ -21,7 +21,7 @@ _SHARES_OF_STEP = 4  # of the longest step, driven one by one in the second driv
 # distances of joints to their limits [rad] that a drive needs, and beyond which it suffices alone:
 # drives of the vehicles of the catalogue differ by up to 0.12
 _LEAST_SLACK, _AMPLE_SLACK = 0.05, 0.2
-_MOST_UNITS = 32
+_MOST_UNITS = 32  # of HAVs that drive on trial; bounds alone decide on longer ones
 _FEWEST_DRIVES = 4  # doubts below which HAVs drive one by one, not in all lanes
 # scratch of a drive: whether a HAV is still under way; the least distance of its joints to their
 # limits [rad]
